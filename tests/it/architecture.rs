@@ -1,6 +1,6 @@
-//! Holds the house rules of src, read from its text. A rule states what is absent, which no other test sees.
+//! Tests the rules for the source text of src. Most rules forbid something, which no other test can detect.
 //!
-//! Comments and strings are blanked before looking.
+//! Comments and strings are blanked before the search.
 
 mod circles;
 pub mod sources;
@@ -9,7 +9,7 @@ mod words;
 use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
-/// Modules in the order in which data flows: each uses only those before it.
+/// Modules in the order in which data flows. Each module uses only modules before it.
 const ORDER: [&str; 35] = [
     "units",
     "safe_text",
@@ -48,7 +48,7 @@ const ORDER: [&str; 35] = [
     "study",
 ];
 
-/// The library is compiled once, for the program and for its tests.
+/// The sources contain no tests, so the library is compiled once for the program and the tests.
 #[test]
 fn src_holds_no_tests() {
     let holds = |f: &&File| ["cfg(test)", "cfg!(test)", "#[test]"].iter().any(|word| f.text.contains(word));
@@ -61,7 +61,7 @@ fn the_core_does_no_io() {
     let outside = ["fs", "env", "io", "net", "process", "thread"];
     for file in sources().iter().filter(|f| !f.is_edge()) {
         for path in paths_from(&file.code, "std::") {
-            // The reader of STL needs a cursor over bytes in memory, which is no IO.
+            // The STL reader needs a cursor over bytes in memory, which does no input or output.
             let cursor = file.path == "mesh/stl.rs" && path == "io" && !file.code.contains("File");
             assert!(cursor || !outside.contains(&path.as_str()), "src/{} uses std::{path}", file.path);
         }
@@ -69,9 +69,9 @@ fn the_core_does_no_io() {
     let words = ["println!", "print!", "dbg!", "Instant", "SystemTime", "stdout", "stderr", "stdin"];
     let found = with_words(&words, File::is_edge);
     assert!(found.is_empty(), "outside cli: {found:#?}");
-    // Built-in files are no IO, but only the version and these two need them.
+    // Built-in files are not input or output, but only the version and these two modules need them.
     let built_in = with_words(&["include_str!", "include_bytes!", "option_env!"], |f| {
-        // The robots that come with the program, and the assets of the browser.
+        // These modules contain the built-in robots and the assets of the browser pages.
         ["cli/library.rs", "report/page/assets.rs"].contains(&f.path.as_str())
     });
     assert!(built_in.is_empty(), "{built_in:#?}");
@@ -108,20 +108,19 @@ fn every_heavy_crate_has_one_home() {
     for name in ["minijinja", "base64", "gltf_json"] {
         assert_eq!(homes(name), only("report"), "{name}");
     }
-    // The crates of the PDF have one file.
+    // Only one file uses the crates for PDF.
     for name in ["svg2pdf", "pdf_writer", "notosans"] {
         let users: Vec<_> =
             sources().iter().filter(|f| uses_crate(&f.code, name)).map(|f| f.path.clone()).collect();
         assert_eq!(users, ["report/pdf/file.rs"], "{name}");
     }
-    // Hashes of the files that are read and written, and of what a page may run.
+    // Hashes are computed of files that are read and written, and of the scripts that a page may run.
     assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
     for (name, home) in
         [("toml", "files"), ("tobj", "mesh"), ("stl_io", "mesh"), ("roxmltree", "files"), ("csv", "report")]
     {
         let users: Vec<_> = sources().iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
-        // `report::toml` and `report::csv` are modules of this crate.
-        // Tables of targets are CSV files, too.
+        // `report::toml` and `report::csv` are modules of this crate. Tables of targets are also CSV files.
         let is_input = |f: &File| name == "csv" && f.path == "files/targets.rs";
         let is_home = |f: &File| f.module() == home || is_input(f);
         let foreign = users.iter().filter(|f| !is_home(f) && !f.code.contains(&format!("report::{name}::")));
@@ -131,7 +130,7 @@ fn every_heavy_crate_has_one_home() {
 
 #[test]
 fn no_heavy_crate_shows_in_a_public_signature() {
-    // Methods of a foreign trait are not `pub`. Public ones use types of this crate.
+    // Methods of a foreign trait are not `pub`. Public methods use types of this crate.
     let foreign = ["pm::", "parry3d::", "argmin::", "clarabel::", "SharedShape", "TriMesh", "Aabb"];
     for file in sources() {
         let lines = file.code.lines().filter(|l| l.trim_start().starts_with("pub "));
@@ -152,12 +151,12 @@ fn a_module_uses_only_those_above_it() {
         }
         let own = rank(module).unwrap_or_else(|| panic!("src/{} has no place in the order", file.path));
         let mut used = paths_from(&file.code, "crate::");
-        // `super` of the file that a module begins with leads out of the module.
+        // In the first file of a module, `super` leads out of the module.
         let is_root = !file.path.contains('/') || file.path == format!("{module}/mod.rs");
         if is_root {
             used.extend(paths_from(&file.code, "super::"));
         }
-        assert!(!file.code.contains("super::super"), "src/{}: say crate:: instead", file.path);
+        assert!(!file.code.contains("super::super"), "src/{}: write crate:: instead", file.path);
         for name in used {
             let other = rank(&name).unwrap_or_else(|| panic!("src/{} uses crate::{name}", file.path));
             assert!(other <= own, "src/{} uses {name}, which comes after {module}", file.path);
@@ -178,7 +177,7 @@ fn lib_rs_names_every_module_and_holds_no_logic() {
     }
 }
 
-/// The compiler does not see a file that no module declares, and neither do its lints.
+/// The compiler and its lints ignore a file that no module declares.
 #[test]
 fn a_module_declares_every_file_of_src() {
     let all = sources();
@@ -214,7 +213,7 @@ fn src_has_no_unsafe_code() {
     assert!(manifest.contains("unsafe_code = \"forbid\""));
 }
 
-/// The core is total: it returns a value or a reason and never panics.
+/// The core is total: every function returns a value or a reason and never panics.
 #[test]
 fn nothing_panics_on_purpose() {
     let words = [
@@ -230,16 +229,16 @@ fn nothing_panics_on_purpose() {
     ];
     let found = with_words(&words, |_| false);
     assert!(found.is_empty(), "{found:#?}");
-    // Assertions belong in the debug build alone.
+    // Assertions are allowed only in debug builds.
     let asserts = with_words(&["assert!(", "assert_eq!(", "assert_ne!("], |_| false);
     let hard: Vec<_> = asserts.iter().filter(|l| !l.contains("debug_assert")).collect();
     assert!(hard.is_empty(), "{hard:#?}");
 }
 
-/// units.rs alone knows how many millimetres a metre has.
+/// Only units.rs contains factors between units.
 ///
-/// One exception is allowed: `files/keys/solid.rs`, where a mesh file names one of several units and a table
-/// gives the metres in each.
+/// The only exception is `files/keys/solid.rs`. It has a table of the units that a mesh file may have, with
+/// the length of each unit in metres.
 #[test]
 fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];
@@ -262,8 +261,8 @@ fn only_units_rs_converts_units() {
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }
 
-/// Randomness comes from the seed alone: no generator seeds itself, and no map is walked in an order of its
-/// own.
+/// Randomness comes only from the seed: no generator seeds itself, and no loop depends on the order of a hash
+/// map.
 #[test]
 fn nothing_depends_on_an_unseeded_random_source() {
     let found =
@@ -285,7 +284,7 @@ fn the_agreed_packages_are_dependencies() {
     for wanted in ["nalgebra", "clarabel", "argmin", "rayon", "serde"] {
         assert!(packages.iter().any(|p| p == wanted), "{wanted} is not a dependency");
     }
-    // parry3d in single or double precision.
+    // The name of the crate depends on the precision: parry3d or parry3d-f64.
     assert!(packages.iter().any(|p| p == "parry3d" || p == "parry3d-f64"), "parry3d is not a dependency");
 }
 

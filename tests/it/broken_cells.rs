@@ -1,4 +1,4 @@
-//! Tests broken cell files: every fault is located and says what to do, and nothing makes the reader panic.
+//! Tests broken cell files: every fault has a place and a help text, and no file makes the reader panic.
 //!
 //! Each file in tests/broken begins with every message that must be reported for it: `#! FILE:LINE:COLUMN:
 //! error: MESSAGE` and `#!   help: HELP`.
@@ -55,7 +55,7 @@ fn every_broken_file_gets_its_expected_messages() {
     }
 }
 
-/// Loads a cell from files in memory, with the shipped files beside them.
+/// Loads a cell from files in memory and the shipped files.
 fn load_parts(files: &BTreeMap<String, String>, path: &str) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
     files::load(path, &mut |path: &str| match files.get(path) {
@@ -68,7 +68,7 @@ fn load_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     load_parts(&BTreeMap::from([("cell.toml".to_string(), text.to_string())]), "cell.toml")
 }
 
-/// Checks that a refusal has an error and that every fault can be shown and lies in its file.
+/// Checks that a rejection has an error, and that every fault can be displayed and lies in its file.
 fn check(result: Result<Loaded, Vec<Fault>>, files: &BTreeMap<String, String>, what: &str) {
     let (faults, refused) = match result {
         Ok(loaded) => (loaded.warnings, false),
@@ -86,7 +86,7 @@ fn check(result: Result<Loaded, Vec<Fault>>, files: &BTreeMap<String, String>, w
     }
 }
 
-/// Returns the one error of a text.
+/// Returns the message of the only error of a text.
 fn only_error(text: &str) -> String {
     let faults = load_text(text).unwrap_err();
     assert_eq!(faults.len(), 1, "{faults:#?}");
@@ -137,13 +137,13 @@ fn deep_nesting_is_refused() {
     assert!(tables.contains("error: the values are nested too deeply"), "{tables}");
     let keys = only_error(&format!("{}a = 1", "a.".repeat(n)));
     assert!(keys.starts_with("cell.toml:1:1: error: the values are nested too deeply\n"), "{keys}");
-    // The deepest nesting that the parser accepts, squared.
+    // Both the key and the value have the deepest nesting that the parser accepts.
     let key = format!("{}a", "a.".repeat(78));
     let nested = format!("[{key}]\n{key} = {}1{}", format!("{{{key} = ").repeat(78), "}".repeat(78));
     assert!(only_error(&nested).contains("error: the values are nested too deeply"));
 }
 
-/// Faults inside of inline tables once let the TOML parser overflow the stack, which ends the process.
+/// Faults inside inline tables once made the TOML parser overflow the stack, which ends the process.
 #[test]
 fn deep_nesting_is_refused_in_faulty_text_too() {
     let n = 20_000;
@@ -234,7 +234,7 @@ f 1 2 6 5\nf 3 7 8 4
 f -8 -4 -2 -6\nf 2 4 8\nf 2 8 6
 ";
 
-/// Returns a text with one small change.
+/// Returns a text with one random change.
 fn mutated(text: &str, rng: &mut ChaCha8Rng) -> String {
     let mut bytes = text.as_bytes().to_vec();
     let mut lines: Vec<_> = text.split_inclusive('\n').collect();

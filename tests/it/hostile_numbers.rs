@@ -1,6 +1,8 @@
-//! Gives hostile numbers to every numeric key of the files, to every number of a URDF and to mesh coordinates.
+//! Tests hostile numbers in every numeric key of the files, in every number of a URDF and in mesh
+//! coordinates.
 //!
-//! The keys come from the tables of keys, through their schemas. So a new key is tried without a change here.
+//! The keys come from the tables of keys, through their schemas. A new key is therefore tested without a
+//! change in this file.
 
 use crate::common::{document, root};
 use crate::schema::{shipped, toml_of, validators};
@@ -14,10 +16,11 @@ use sweetspot::mesh::{from_obj, from_stl};
 /// Values that no number of any file may have, as TOML.
 const REFUSED: [&str; 7] = ["nan", "-nan", "inf", "-inf", "1e308", "-1e308", "\"1\""];
 
-/// Values at the edge of what a number may be, as TOML. The schema of a key says whether it may have them.
+/// Values at the limits of numbers, as TOML. The schema of a key states whether the key may have them.
 const EDGES: [&str; 3] = ["1e-320", "-0.0", "-0"];
 
-/// Keys that refuse an edge which their schema accepts, because of what no schema states.
+/// Keys that refuse a value of [`EDGES`] although their schema accepts it, with the reason, which a schema
+/// cannot state.
 const BEYOND_SCHEMA: [(&str, &str); 5] = [
     ("a direction or an axis has no length", "axis b_mm"),
     ("a covariance matrix or a coupling contradicts itself", "matrix coupling"),
@@ -33,7 +36,7 @@ fn is_numeric(schema: &Value) -> bool {
     is_number || schema.get("items").is_some_and(is_numeric) || ways.into_iter().any(is_numeric)
 }
 
-/// Returns the pointers to the first and the last number below a value, if it is a number or a list.
+/// Returns the pointers to the first and the last number in a value that is a number or a list.
 fn numbers(value: &Value, pointer: &str) -> Vec<String> {
     match value {
         Value::Number(_) => vec![pointer.to_string()],
@@ -49,7 +52,7 @@ fn numbers(value: &Value, pointer: &str) -> Vec<String> {
     }
 }
 
-/// Returns a document as TOML with `text` in the place of one value, and the line and column of that text.
+/// Returns a document as TOML in which `text` replaces one value, with the line and the column of this text.
 fn with(document: &Value, pointer: &str, text: &str) -> (String, usize, usize) {
     let mut changed = document.clone();
     *changed.pointer_mut(pointer).unwrap() = json!("HOSTILE");
@@ -60,7 +63,7 @@ fn with(document: &Value, pointer: &str, text: &str) -> (String, usize, usize) {
     (toml.replace("\"HOSTILE\"", text), line, column)
 }
 
-/// Checks that a value is refused at its place in the file.
+/// Checks that a value is refused with its place in the file.
 fn is_refused_at(faults: &[Fault], (line, column): (usize, usize), what: &str) {
     let here = |f: &&Fault| f.is_error() && f.line == line && f.column <= column;
     let fault = faults.iter().find(here).unwrap_or_else(|| panic!("{what}: {line}:{column}: {faults:#?}"));
@@ -217,7 +220,7 @@ fn the_coordinates_of_meshes_refuse_hostile_numbers() {
             let stl = of(crate::fuzz::STL, place, word);
             assert!(from_stl(stl.as_bytes(), 1e-3).is_err(), "{stl}");
         }
-        // A tiny coordinate is a number like any other.
+        // A tiny coordinate is accepted.
         let obj = of(crate::fuzz::OBJ, place, "1e-320");
         let (vertices, _) = from_obj(&obj, 1.0).unwrap();
         assert!(vertices.iter().all(|v| v.iter().all(|c| c.is_finite())), "{vertices:?}");

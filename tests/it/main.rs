@@ -1,8 +1,9 @@
-//! Tests of the files, documents, reports and commands, and of the house rules. They are one program, so that
-//! the library is linked once. `cargo test --test it cli::` runs the tests of one file or folder.
+//! Tests of the files, documents, reports and commands, and of the rules for the source text. They form one
+//! program, so the library is linked once. The command `cargo test --test it cli::` runs the tests of one
+//! file or folder.
 //!
-//! All tests run in parallel in one process. None may set an environment variable or the current directory,
-//! nor write outside a temporary folder of its own.
+//! All tests run in parallel in one process. No test may set an environment variable or the current
+//! directory, or write outside its own temporary folder.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod architecture;

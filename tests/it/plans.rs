@@ -1,4 +1,4 @@
-//! Tests floor plans: closed outlines of a DXF drawing as obstacles, against geometry computed here.
+//! Tests floor plans: closed outlines of a DXF drawing as obstacles, against independent geometry.
 
 use crate::common::{load_from, root};
 use rand::{Rng, SeedableRng};
@@ -10,7 +10,7 @@ use sweetspot::layout::{Workcell, evaluate};
 
 type Point = (f64, f64);
 
-/// Returns a drawing from group codes and values, separated by blanks or line breaks.
+/// Returns a drawing from group codes and values, which are separated by blanks or line breaks.
 fn drawing(unit: i64, blocks: &str, entities: &str) -> String {
     let words = format!(
         "0 SECTION 2 HEADER 9 $INSUNITS 70 {unit} 0 ENDSEC 0 SECTION 2 BLOCKS {blocks} 0 ENDSEC \
@@ -45,7 +45,7 @@ fn area(corners: &[Point]) -> f64 {
     corners.iter().zip(next).map(|(a, b)| (a.0 * b.1 - b.0 * a.1) / 2.0).sum()
 }
 
-/// Returns the signed number of turns of a polygon round a point: 0 outside.
+/// Returns the winding number of a polygon about a point, which is 0 outside.
 fn winding(corners: &[Point], p: Point) -> f64 {
     let angle = |a: &Point, b: &Point| {
         let (u, v) = ((a.0 - p.0, a.1 - p.1), (b.0 - p.0, b.1 - p.1));
@@ -59,7 +59,7 @@ fn near(a: Point, b: Point) -> bool {
     (a.0 - b.0).hypot(a.1 - b.1) < 1e-9
 }
 
-/// Returns whether two lists have the same corners, from whichever corner they begin.
+/// Returns whether two rings have the same corners, even if they begin at different corners.
 fn same_ring(found: &[Point], expected: &[Point]) -> bool {
     let n = expected.len();
     found.len() == n && (0..n).any(|k| (0..n).all(|i| near(found[(i + k) % n], expected[i])))
@@ -90,7 +90,7 @@ fn the_shipped_hall_has_its_columns_walls_and_machines() {
     assert_eq!(names, expected);
     assert!(hall.iter().all(|e| e.role == Role::Obstacle && e.surface.is_none()));
     let place = |k: usize| hall[k].placement.each_ref().map(|c| c.start());
-    // Rows and columns of the inserted block: 500 and 7500 mm, less 4000 mm of the placement.
+    // The rows and columns of the inserted block are at 500 and 7500 mm. The placement subtracts 4000 mm.
     for (k, at) in [(-3.5, -3.5), (3.5, -3.5), (-3.5, 3.5), (3.5, 3.5)].into_iter().enumerate() {
         let [x, y, z, _] = place(k);
         assert!(near((x, y), at) && z == 0.0, "{k}: {x} {y}");
@@ -100,7 +100,7 @@ fn the_shipped_hall_has_its_columns_walls_and_machines() {
     }
     let Shape::Cylinder { radius, b, .. } = &hall[7].solids[0].shape else { panic!("no cylinder") };
     assert!((radius - 0.3).abs() < 1e-12 && b.z == 3.0 && near((place(7)[0], place(7)[1]), (-2.8, 2.5)));
-    // The L-shaped wall is exact: its two parts have the area of the outline.
+    // The decomposition of the L-shaped wall is exact: its two parts have the area of the outline.
     let areas = [4, 5].map(|k| match &hall[k].solids[0].shape {
         Shape::Mesh { vertices, .. } => {
             area(&vertices.iter().filter(|v| v.z == 0.0).map(|v| (v.x, v.y)).collect::<Vec<_>>())
@@ -137,7 +137,7 @@ fn arcs_are_replaced_on_their_outer_side_within_the_tolerance() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut pieces = 0;
     for case in 0..200 {
-        // A rectangle whose sides bulge outwards or inwards, in both senses of rotation.
+        // The outline is a rectangle whose sides bulge outwards or inwards, in both directions of rotation.
         let (w, h) = (rng.random_range(1.0..4.0), rng.random_range(1.0..4.0));
         let turn = if case % 2 == 0 { 1.0 } else { -1.0 };
         let mut bulges = [0.0; 4].map(|_: f64| rng.random_range(-0.3..0.9));
@@ -151,7 +151,7 @@ fn arcs_are_replaced_on_their_outer_side_within_the_tolerance() {
         let found = read(&drawing(6, "", &polyline("WALLS", &vertices)), tolerance).unwrap();
         let corners = corners(&found[0]);
         pieces += corners.len();
-        // Points of the true arcs lie within the polygon and near its edges: centre and radius from three points.
+        // Points of the true arcs must lie inside the polygon and near its edges.
         for k in 0..4 {
             let (a, b) = (vertices[k], vertices[(k + 1) % 4]);
             let sweep = 4.0 * a.2.atan();
@@ -160,7 +160,7 @@ fn arcs_are_replaced_on_their_outer_side_within_the_tolerance() {
                     let t = f64::from(step) / 50.0;
                     (a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1))
                 } else {
-                    // Along the arc: the chord from the start makes half the swept angle less with the tangent.
+                    // The angle between the chord from the start and the tangent is half the swept angle.
                     let chord = (b.0 - a.0).hypot(b.1 - a.1);
                     let radius = chord / (2.0 * (sweep / 2.0).sin()).abs();
                     let swept = sweep * f64::from(step) / 50.0;
@@ -192,7 +192,7 @@ fn distance(corners: &[Point], p: Point) -> f64 {
 fn convex_parts_of_random_outlines_tile_them() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for _ in 0..200 {
-        // A star: its corners have ascending angles, so it does not cross itself.
+        // The outline is a star whose corners have ascending angles, so it does not cross itself.
         let n = rng.random_range(3..40);
         let vertex = |k: usize, r: f64| {
             let angle = std::f64::consts::TAU * k as f64 / n as f64;
@@ -226,7 +226,7 @@ fn convex_parts_of_random_outlines_tile_them() {
                 let (u, v) = (c * dx + s * dy, c * dy - s * dx);
                 assert!(u.abs() <= body.size.0 / 2.0 + 1e-9 && v.abs() <= body.size.1 / 2.0 + 1e-9);
             }
-            // The middle of a part lies within the outline.
+            // The centre of each part lies inside the outline.
             let middle = (
                 ring.iter().map(|p| p.0).sum::<f64>() / n as f64,
                 ring.iter().map(|p| p.1).sum::<f64>() / n as f64,
@@ -247,8 +247,9 @@ fn blocks_are_placed_scaled_turned_mirrored_and_nested() {
     );
     let insert = "0 INSERT 8 WALLS 2 outer 10 100 20 200 50 180 ";
     let found = read(&drawing(6, &blocks, insert), 0.01).unwrap();
-    // Inner: subtract its base (1, 0), scale by (2, -3), turn by 90 degrees, move by (5, 0); outer: turn by 180
-    // degrees, move by (100, 200). The mirrored triangle runs clockwise, so its corners come reversed.
+    // For the inner block, subtract its base point (1, 0), scale by (2, -3), rotate by 90 degrees and move by
+    // (5, 0). For the outer block, rotate by 180 degrees and move by (100, 200). The mirrored triangle runs
+    // clockwise, so its corners are reversed.
     let place = |(x, y): Point| {
         let (x, y) = (2.0 * (x - 1.0), -3.0 * y);
         let (x, y) = (5.0 - y, x);
@@ -256,16 +257,16 @@ fn blocks_are_placed_scaled_turned_mirrored_and_nested() {
     };
     let expected = [(3.0, 1.0), (3.0, 0.0), (1.0, 0.0)].map(place);
     assert!(same_ring(corners(&found[0]), &expected), "{:?} {expected:?}", found[0]);
-    // The underside of the plan (extrusion 0, 0, -1) reverses x.
+    // The extrusion (0, 0, -1) mirrors x.
     let flipped = "0 INSERT 8 WALLS 2 Inner 10 10 20 20 210 0 220 0 230 -1 ";
     let found = read(&drawing(6, &blocks, flipped), 0.01).unwrap();
     let place = |(x, y): Point| (-(x - 1.0 + 10.0), y + 20.0);
     let expected = [(3.0, 1.0), (3.0, 0.0), (1.0, 0.0)].map(place);
     assert!(same_ring(corners(&found[0]), &expected), "{:?} {expected:?}", found[0]);
-    // Entities of a block on a layer of their own do not follow the insert.
+    // Entities of a block that are on another layer do not get the layer of the insert.
     let own = blocks.replace("0 LWPOLYLINE 8 0", "0 LWPOLYLINE 8 OTHER");
     assert_eq!(read(&drawing(6, &own, insert), 0.01).unwrap(), []);
-    // A circle that is scaled unevenly contains its ellipse.
+    // The outline of an unevenly scaled circle contains the ellipse.
     let circle = "0 BLOCK 2 C 10 0 20 0 0 CIRCLE 8 0 10 0 20 0 40 1 0 ENDBLK";
     let found = read(&drawing(6, circle, "0 INSERT 8 WALLS 2 C 10 0 20 0 41 2 42 1 "), 0.01).unwrap();
     let ring = corners(&found[0]);
@@ -279,7 +280,7 @@ fn blocks_are_placed_scaled_turned_mirrored_and_nested() {
 
 #[test]
 fn lines_and_arcs_whose_ends_meet_form_an_outline() {
-    // Two lines, one drawn backwards, and a half circle; a second shape is open.
+    // The drawing has two lines, of which one is drawn backwards, and a half circle. A second shape is open.
     let lines = "0 LINE 8 WALLS 10 0 20 0 11 4 21 0 0 LINE 8 WALLS 10 0 20 2 11 0.000001 21 0 \
                  0 LINE 8 WALLS 10 4 20 2 11 0 21 2 0 ARC 8 WALLS 10 4 20 1 40 1 50 270 51 90 \
                  0 LINE 8 WALLS 10 9 20 9 11 10 21 9 ";

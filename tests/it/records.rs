@@ -1,5 +1,5 @@
-//! Tests the documents of shipped cells: each validates against its published schema, is read again by the
-//! type that wrote it, and is refused with a field that the type does not know.
+//! Tests the documents of shipped cells. Each document is valid against its published schema, and the type
+//! that wrote it can read it again. A document with an unknown field is refused.
 
 use crate::common::workcell;
 use jsonschema::Validator;
@@ -20,7 +20,7 @@ use sweetspot::record::{
 };
 use sweetspot::search::{Watch, search};
 
-/// Cells that are mapped and judged in a second or less.
+/// Cells whose map and assessment take at most a second.
 const CELLS: [&str; 6] = [
     "drilling_cell.toml",
     "five_axis_cell.toml",
@@ -36,7 +36,7 @@ fn validator(kind: DocumentKind) -> Validator {
     jsonschema::draft7::new(&schema).unwrap()
 }
 
-/// Checks a document against its schema and reads it by the type that wrote it.
+/// Checks a document against its schema, and reads it with the type that wrote it.
 fn holds<R: Serialize + DeserializeOwned>(kind: DocumentKind, document: &impl Serialize, what: &str) {
     let name = kind.name();
     let value = serde_json::to_value(document).unwrap();
@@ -46,15 +46,15 @@ fn holds<R: Serialize + DeserializeOwned>(kind: DocumentKind, document: &impl Se
     assert!(faults.is_empty(), "{name} of {what}: {faults:#?}");
     let read: R = serde_json::from_value(value.clone()).unwrap_or_else(|e| panic!("{name} of {what}: {e}"));
     let again = serde_json::to_string(&read).unwrap();
-    assert!(again == serde_json::to_string(document).unwrap(), "{name} of {what} is written otherwise again");
+    assert!(again == serde_json::to_string(document).unwrap(), "{name} of {what} changes when rewritten");
     for unknown in with_unknown_field(&value) {
-        assert!(!validator.is_valid(&unknown), "{name} of {what}: the schema takes an unknown field");
+        assert!(!validator.is_valid(&unknown), "{name} of {what}: the schema accepts an unknown field");
         let refused = serde_json::from_value::<R>(unknown).is_err();
-        assert!(refused, "{name} of {what}: the reader takes an unknown field");
+        assert!(refused, "{name} of {what}: the reader accepts an unknown field");
     }
 }
 
-/// Returns the document with an unknown field at its top, and in the first object of every list.
+/// Returns copies of the document with one unknown field each: at the top, or in the first object of a list.
 fn with_unknown_field(document: &Value) -> Vec<Value> {
     let mut top = document.clone();
     top["unknown_field"] = json!(1);
@@ -139,7 +139,7 @@ fn allocations_validate_against_their_schema() {
     }
 }
 
-/// CSV and Parquet are written from these rows, so that each value must have the kind of its column.
+/// CSV and Parquet are written from these rows, so each value must have the kind of its column.
 #[test]
 fn rows_of_the_node_table_have_the_kinds_of_its_columns() {
     use sweetspot::record::ColumnKind as Kind;
@@ -165,7 +165,7 @@ fn rows_of_the_node_table_have_the_kinds_of_its_columns() {
     assert_eq!(rows, a.maps.iter().map(|m| m.nodes.len()).sum::<usize>());
 }
 
-/// A word in a document is the word of the program's own name of it.
+/// The words in a document equal the names that the program uses.
 #[test]
 fn words_of_documents_equal_the_names_in_the_program() {
     use sweetspot::cell::{
@@ -189,14 +189,14 @@ fn words_of_documents_equal_the_names_in_the_program() {
     same(&NodeSign::ALL, NodeSign::name);
 }
 
-/// The nodes of a map become text one by one: no list of them, and no text of all of them, is in memory.
+/// The nodes of a map are written one by one. Neither a list nor the text of all nodes is in memory.
 #[test]
 fn a_map_is_written_node_by_node() {
     let workcell = workcell("hitachi_paper.toml");
     let assessment = Assessment::new("start", &workcell, workcell.cell.start());
     let document = MapDocument::new(&assessment);
     let written = serde_json::to_string(&document).unwrap();
-    // Through a value in memory, as documents were once written, the bytes are the same.
+    // A document that is written through a value in memory has the same bytes.
     assert_eq!(written, serde_json::to_value(&document).unwrap().to_string());
     let erased: &dyn erased_serde::Serialize = &document;
     let mut bytes = 0;
@@ -209,7 +209,7 @@ fn a_map_is_written_node_by_node() {
     assert!(counted.bytes_max < 8 * of_node, "{} bytes at most, {of_node} per node", counted.bytes_max);
 }
 
-/// Writer that counts its bytes and forgets them.
+/// Writer that counts its bytes and discards them.
 struct CountedBytes<'a>(&'a mut usize);
 
 impl std::io::Write for CountedBytes<'_> {

@@ -1,5 +1,5 @@
-//! Tests the JSON Schemas beside the reader: shipped files validate, broken ones do not, and no key is
-//! refused by one and accepted by the other.
+//! Tests the JSON Schemas against the reader. Shipped files are valid and broken files are not. Schema and
+//! reader accept the same keys.
 
 use crate::common::{document, root};
 use jsonschema::Validator;
@@ -25,7 +25,7 @@ fn told(validator: &Validator, document: &Value) -> Vec<String> {
     validator.iter_errors(document).map(|e| format!("{}: {e}", e.instance_path())).collect()
 }
 
-/// Returns name and text of the .toml files of a folder.
+/// Returns the name and the text of every .toml file of a folder.
 fn files(folder: &str) -> Vec<(String, String)> {
     let entries = std::fs::read_dir(root().join(folder)).unwrap();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml"));
@@ -35,7 +35,7 @@ fn files(folder: &str) -> Vec<(String, String)> {
     all
 }
 
-/// Returns the kind that a file states, or a cell.
+/// Returns the kind that a file states, or the kind cell if it states none.
 fn kind_of(document: &Value) -> String {
     let word = document["schema"].as_str().unwrap_or("sweetspot/cell/1");
     word.split('/').nth(1).unwrap().to_string()
@@ -47,7 +47,7 @@ pub fn shipped() -> Vec<(String, String, String)> {
     for folder in ["cells", "cells/robots", "cells/equipment"] {
         for (name, text) in files(folder) {
             let document = document(&text).unwrap();
-            // The folder gives the kind of a file that does not state one.
+            // If a file does not state its kind, the folder determines the kind.
             let kind = match folder {
                 "cells/robots" => "robot".to_string(),
                 _ => kind_of(&document),
@@ -84,7 +84,7 @@ fn the_schemas_distinguish_the_file_kinds() {
     }
 }
 
-/// Messages beyond any schema, and the files of tests/broken that have them.
+/// Faults that a schema cannot detect, with the files of tests/broken that have them.
 const BEYOND: [(&str, &str); 6] = [
     (
         "another file gives it, or should",
@@ -112,7 +112,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
 ];
 
-/// All other files of tests/broken are refused for their structure.
+/// The schema refuses all other files of tests/broken because of their structure.
 #[test]
 fn the_schema_refuses_broken_files() {
     let validator = validator(FileKind::Cell);
@@ -133,7 +133,7 @@ fn the_schema_refuses_broken_files() {
     assert!(refused >= 120 && no_toml <= 5, "{refused} refused, {no_toml} are no TOML");
 }
 
-/// Returns a document as TOML: a line per top key, tables within in braces.
+/// Returns a document as TOML with one line per top-level key and inline tables.
 pub fn toml_of(document: &Value) -> String {
     fn value(v: &Value) -> String {
         match v {
@@ -170,7 +170,7 @@ fn places(value: &Value, path: &str, all: &mut Vec<String>) {
     }
 }
 
-/// Makes one change: a key renamed or removed, a value replaced or added.
+/// Makes one random change: a key is renamed or removed, or a value is replaced or added.
 fn mutate(document: &mut Value, rng: &mut ChaCha8Rng) {
     let others = [
         json!("x"),
@@ -211,12 +211,12 @@ fn mutate(document: &mut Value, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Changes of every shipped file.
+/// Number of random changes of every shipped file.
 const MUTATIONS: usize = 100;
 
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-/// Returns the faults of the reader for a file of this kind in the place of a shipped one.
+/// Returns the faults that the reader reports if a text replaces a shipped file of this kind.
 pub fn read(kind: &str, path: &str, text: &str) -> Result<(), Vec<Fault>> {
     let path = path.trim_start_matches("cells/");
     let round = match kind {
@@ -257,7 +257,7 @@ fn the_schema_and_the_reader_agree_on_changed_files() {
             let told = told(&validators[kind.as_str()], &changed);
             match read(kind, path, &toml) {
                 Ok(()) => {
-                    assert!(told.is_empty(), "{path}: the reader takes\n{toml}\n{told:#?}");
+                    assert!(told.is_empty(), "{path}: the reader accepts\n{toml}\n{told:#?}");
                     taken += 1;
                 }
                 Err(faults) => {
@@ -271,7 +271,7 @@ fn the_schema_and_the_reader_agree_on_changed_files() {
             }
         }
     }
-    // The remaining refusals are beyond a schema: names that refer to nothing, numbers of joints.
+    // A schema cannot detect the remaining faults: unknown names and wrong numbers of joints.
     assert!(taken > 200 && unknown > 1000, "{taken} taken, {unknown} with an unknown key");
     assert!(both * 20 > refused * 19, "{both} of {refused} that the reader refuses");
 }

@@ -1,4 +1,4 @@
-//! Every key of the tables is read, and every key is described: in the schema and in the reference for people.
+//! Tests that every key of the tables is read, and that the schema and the reference page describe every key.
 
 use crate::common::{document, root};
 use crate::schema::{read, shipped, toml_of};
@@ -6,21 +6,22 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use sweetspot::files::{FileKind, reference, schema};
 
-/// A table of keys by its description, and one of its keys.
+/// Description of a table of keys, and one of its keys.
 pub type TableKey = (String, String);
 
-/// The tables of a schema, also those in lists and those that are one of several ways to write a value.
+/// Returns the tables of a schema, including tables in lists and tables that are one of several forms of a
+/// value.
 fn inside(schema: &Value) -> Vec<&Value> {
     let ways = schema["anyOf"].as_array().into_iter().flatten();
     [schema].into_iter().chain(schema.get("items")).chain(ways).collect()
 }
 
 fn key_of(table: &Value, key: &str) -> TableKey {
-    // One entry of the tables of keys has one schema, in whichever tables it stands.
+    // An entry of the tables of keys has the same schema in every table.
     (table["properties"][key].to_string(), key.to_string())
 }
 
-/// Every key of every table of a schema.
+/// Adds every key of every table of a schema to `all`.
 pub fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
     for table in inside(schema) {
         for (key, below) in table["properties"].as_object().into_iter().flatten() {
@@ -34,7 +35,7 @@ pub fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
     }
 }
 
-/// The pointers to all keys of a document, each with the table of the schema that it stands in.
+/// Adds the pointers to all keys of a document to `all`, each with its table of the schema.
 pub fn pointers(value: &Value, schemas: Vec<&Value>, path: &str, all: &mut Vec<(String, TableKey)>) {
     let tables: Vec<&Value> = schemas.into_iter().flat_map(inside).flat_map(inside).collect();
     match value {
@@ -59,7 +60,7 @@ pub fn pointers(value: &Value, schemas: Vec<&Value>, path: &str, all: &mut Vec<(
     }
 }
 
-/// A key that no reader reads would take any value: a date is the value of none.
+/// A key that no reader reads would accept any value. No key accepts a date.
 #[test]
 fn every_key_of_the_tables_is_read() {
     let mut unread = BTreeSet::new();
@@ -85,14 +86,14 @@ fn every_key_of_the_tables_is_read() {
             let toml = toml_of(&changed).replace("\"DATE\"", "1979-05-27");
             let faults = read(&kind, &path, &toml).err().unwrap_or_default();
             let is_refused = faults.iter().any(|fault| fault.message.contains("not a date"));
-            assert!(is_refused, "{path} takes a date at {pointer}: {faults:#?}");
+            assert!(is_refused, "{path} accepts a date at {pointer}: {faults:#?}");
             unread.remove(&key);
         }
     }
     assert!(unread.is_empty(), "no file has these keys: {unread:#?}");
 }
 
-/// The keys at the top of a schema, or of a table in it.
+/// Returns the keys at the top of a schema, or of a table in it.
 fn keys_at(schema: &Value, path: &[&str]) -> BTreeSet<String> {
     let at = path.iter().fold(schema, |at, name| &at[*name]);
     at["properties"].as_object().unwrap().keys().cloned().collect()
@@ -113,7 +114,7 @@ fn a_part_has_the_same_keys_in_its_file_as_in_a_cell() {
     }
 }
 
-/// Every key says what it is, in one sentence, and has a type or a choice of them.
+/// Every key has a description in one sentence, and a type or a choice of types.
 #[test]
 fn every_key_is_described_in_the_schema() {
     fn look(schema: &Value, path: &str, count: &mut usize) {
@@ -140,7 +141,7 @@ fn every_key_is_described_in_the_schema() {
     assert!(count > 500, "{count} keys");
 }
 
-/// The reference has a row for every key of the schema, with a value, a meaning and an example that is TOML.
+/// The reference has a row for every key of the schema, with its values, its meaning and a TOML example.
 #[test]
 fn the_reference_has_every_key_of_the_schema() {
     for kind in FileKind::ALL {
@@ -159,7 +160,7 @@ fn the_reference_has_every_key_of_the_schema() {
         keys_of(&schema(kind), &mut keys);
         let described = |name: &str| rows.iter().filter(|row| row[0] == format!("`{name}`")).count();
         let names: BTreeSet<&str> = keys.iter().map(|(_, name)| name.as_str()).collect();
-        // A range to search is described where it is written, as { min, max, start }.
+        // The keys of a range { min, max, start } are described together with the range.
         let ranges = ["min", "max", "start"];
         for name in names.into_iter().filter(|name| !ranges.contains(name)) {
             assert!(described(name) > 0, "{}: no row for `{name}`", kind.name());

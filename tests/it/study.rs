@@ -1,4 +1,5 @@
-//! Tests the stable entry of the library against the commands: the same numbers, and faults as values.
+//! Tests the stable interface of the library against the commands: the numbers are the same, and faults are
+//! returned as values.
 
 use crate::cli::sandbox::*;
 use crate::common::root;
@@ -19,7 +20,7 @@ fn a_study_evaluates_as_map_does() {
     assert_eq!(evaluated.objective.unwrap(), number(&map["objective_mm"]));
     assert_eq!(evaluated.layout["worktable"].x_mm, 350.0);
     assert_eq!(evaluated.operations.len(), items(&map["operations"]).len());
-    // The study itself does not change.
+    // The original study does not change.
     let drawn = Study::load(shop.path(CELL)).unwrap().evaluate().unwrap();
     assert_ne!(drawn.objective, evaluated.objective);
 }
@@ -34,14 +35,14 @@ fn a_search_of_a_study_equals_that_of_the_command() {
         shop.json(&["search", CELL, "--budget", "300", "--ideal", "--out", "found", "--progress", "none"]);
     assert_eq!(found.result.objective_value.unwrap(), number(&said["objective_value"]));
     assert_eq!(found.result.evaluations as f64, number(&said["evaluations"]));
-    // The study at the best layout has its value, and its settings.
+    // The study at the best layout has the value of the search and keeps the settings.
     let best = found.best.unwrap();
     assert_eq!(best.evaluate().unwrap().objective, found.result.objective_value);
     assert!(
         best.cell().free().is_empty()
             && best.layout_file("a.toml").starts_with("# Layout of a study\nfrom = \"a.toml\"")
     );
-    // A search that is stopped at once returns the layout as drawn, or none.
+    // A search that is stopped at once returns the start layout or no layout.
     let stopped = study.search_until(&AtomicBool::new(true), &|_| ()).unwrap();
     assert!(stopped.result.evaluations <= found.result.evaluations);
 }
@@ -54,7 +55,7 @@ fn values_of_keys_are_numbers_words_lists_and_toml() {
         study.set("equipment.worktable.placement.z_mm", StudyValue::toml("{ min = 0, max = 500 }")).unwrap();
     assert_eq!((study.cell().operations[0].nodes(), study.cell().free().len()), (15, 1));
     assert_eq!(study.cell().clearance, 0.001);
-    // The last value of a key counts.
+    // If a key is set twice, the last value counts.
     let again = study.set("operation.mapping.grid", [1, 1]).unwrap();
     assert_eq!(again.cell().operations[0].nodes(), 4);
     let both = [("operation.mapping.grid", StudyValue::from([1, 2])), ("search.seed", StudyValue::from(7))];
@@ -73,7 +74,7 @@ fn faults_are_values_with_place_and_remedy() {
     let error = paper().set("equipment.worktabel.placement.x_mm", 1.0).err().unwrap();
     assert!(error.to_string().contains("worktable"), "{error}");
     assert!(refused(paper().set("clearance_mm", f64::NAN))[0].message.contains("clearance_mm"));
-    // A text with a line break cannot smuggle in a second key.
+    // A text with a line break cannot add a second key.
     refused(paper().set("name", StudyValue::toml("\"a\"\nfloor_mm = 1")));
     let text = "from = \"hitachi_paper.toml\"\nname = \"from text\"\n";
     let study = Study::from_text(text, root().join("cells/of_text.toml")).unwrap();

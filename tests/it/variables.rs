@@ -1,5 +1,5 @@
-//! Tests free coordinates besides placements: the robot base, the tool's orientation, lists of allowed
-//! values, equipment on equipment; and operations at more than one spot.
+//! Tests free coordinates other than placements of equipment: the robot base, the orientation of the tool,
+//! lists of allowed values, and equipment on equipment. Also tests operations at more than one spot.
 
 use crate::common::from_text;
 use rand::Rng;
@@ -39,7 +39,7 @@ fn value(workcell: &Workcell, layout: &Layout) -> Option<f64> {
     evaluate(workcell, layout).objective
 }
 
-/// Moving the robot equals moving everything else the other way.
+/// Moving the robot is equivalent to moving everything else in the opposite direction.
 #[test]
 fn moving_the_base_equals_moving_the_cell_the_other_way() {
     let range = "{ min = -500, max = 500, start = 0 }";
@@ -66,7 +66,8 @@ fn moving_the_base_equals_moving_the_cell_the_other_way() {
             *at = before.seen_from(&layout.base);
         }
         let [moved, still] = [&layout, &opposite].map(|l| evaluate(&workcell, l));
-        // The floor stays where it is, so a raised base may let the arm meet it, or a leg grow.
+        // The floor does not move, so at another height the arm may touch the floor, or a leg may become
+        // longer.
         if let (Some(a), Some(b)) = (moved.objective, still.objective) {
             feasible += 1;
             assert!((a - b).abs() <= 1e-12 + 1e-9 * b, "{a} for {b}");
@@ -118,7 +119,7 @@ fn a_search_finds_the_best_of_listed_values() {
         assert!(values.contains(&record.best.layout.value(&workcell.cell, *slot)), "{slot:?}");
     }
     assert_eq!(record.best.evaluation.objective, Some(best), "of 225 layouts");
-    // The bound holds for the listed heights, not for all between them.
+    // The bound holds for the listed heights, not for all heights between them.
     let bound = |workcell: &Workcell| prove(workcell, &ProofOptions::default(), &stop).bound.unwrap();
     let between = table.replace("[500, 600, 700]", "{ min = 500, max = 700 }");
     let (listed, between) = (bound(&workcell), bound(&Workcell::new(cell("", &between, GRID)).unwrap()));
@@ -129,7 +130,7 @@ const FIXTURE: &str = "[equipment.fixture]\nstands_on = \"table\"\nsurface = { s
      solid = [{ name = \"block\", box = { centre_mm = [0, 0, -20], size_mm = [120, 120, 40] } }]\n\
      placement = { x_mm = 100, y_mm = -50, z_mm = 40.5, yaw_deg = 20 }\n";
 
-/// Equipment on a moving table equals equipment that stands alone at the resulting place.
+/// Equipment on a moved table is equivalent to separate equipment at the resulting placement.
 #[test]
 fn equipment_on_a_table_moves_with_it() {
     let on = GRID.to_string() + "\n" + FIXTURE;
@@ -149,7 +150,7 @@ fn equipment_on_a_table_moves_with_it() {
     for y in [0.9, 1.0, 1.05] {
         let layout = tied.cell.layout(|slot, c| if let Slot::Equipment(0, 1) = slot { y } else { c.start() });
         let fixture = layout.placements[1];
-        // The expected place is computed by hand: the table is turned by 10 degrees.
+        // The expected placement is calculated by hand for a table rotated by 10 degrees.
         let (s, c) = 10f64.to_radians().sin_cos();
         let by_hand = [0.1 * c + 0.05 * s, y + 0.1 * s - 0.05 * c, 0.6405, 30f64.to_radians()];
         for (is, want) in fixture.values().iter().zip(by_hand) {
@@ -162,7 +163,7 @@ fn equipment_on_a_table_moves_with_it() {
         let evaluation = evaluate(&tied, &layout);
         assert!(evaluation.overlaps.is_empty(), "{:?}", evaluation.overlaps);
         assert!(evaluation.objective.is_some(), "{:?}", evaluation.outcomes);
-        // Equipment alone at the same places gives the same map.
+        // Separate equipment at the same placements gives the same map.
         let at = by_hand.map(|v| v * 1000.0);
         let at = format!("x_mm = {}, y_mm = {}, z_mm = {}, yaw_deg = 30", at[0], at[1], at[2]);
         let alone = Workcell::new(text(false, &at)).unwrap();
@@ -194,7 +195,7 @@ fn ties_that_cannot_be_are_refused() {
     assert!(unknown.iter().any(|m| m.contains("no equipment `worktabel`")), "{unknown:?}");
 }
 
-/// A cell with a range of the bend equals a cell with that bend.
+/// A cell with a range of the bend gives the same result as a cell with a fixed bend.
 #[test]
 fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     let ranged = GRID.replace("-90", "{ min = -100, max = -60, start = -90 }");
@@ -223,7 +224,7 @@ fn an_orientation_from_a_range_equals_the_fixed_orientation() {
     assert!((record.best.layout.attitudes[0].elevation + FRAC_PI_2).abs() > 0.01, "the bend was not used");
 }
 
-/// Max, mean and p95 over points agree with operations at one point each.
+/// The maximum, the mean and the p95 over points agree with separate operations at one point each.
 #[test]
 fn every_point_counts() {
     let points = [(-200.0, -100.0), (-200.0, 100.0), (0.0, 0.0), (150.0, -150.0), (200.0, 100.0)];
@@ -246,7 +247,7 @@ fn every_point_counts() {
     close(one(&points, "p95"), each.iter().copied().fold(0.0, f64::max));
 }
 
-/// A region is the grid over a part of the surface. One unusable node makes the operation infeasible.
+/// A region here is a grid over a part of the surface. One unusable node makes the operation infeasible.
 #[test]
 fn every_node_of_a_region_is_evaluated() {
     let region = |over: &str, size: f64| {
@@ -268,7 +269,7 @@ fn every_node_of_a_region_is_evaluated() {
         let found = value(&workcell, &workcell.cell.start()).unwrap();
         assert!((found - want).abs() < 1e-15, "{over}: {found} for {want}");
     }
-    // Off to one side the arm passes a limit somewhere.
+    // If the table is at one side, some node violates a joint limit.
     let far = region("max", 300.0);
     let mut layout = far.cell.start();
     layout.placements[0].y = 1.35;
@@ -279,7 +280,7 @@ fn every_node_of_a_region_is_evaluated() {
     assert!(value(&best, &layout).is_some());
 }
 
-/// best.toml records every kind of free coordinate and reads back to the same bits.
+/// The file best.toml contains every kind of free coordinate, and reading it gives the same bits.
 #[test]
 fn what_was_found_can_be_written_and_read() {
     let base = "base = { x_mm = [0, 50], y_mm = { min = -100, max = 100 }, z_mm = 0, yaw_deg = { min = -20, max = 20 } }";
@@ -316,7 +317,8 @@ fn what_was_found_can_be_written_and_read() {
     assert_eq!(evaluation.cost.to_bits(), record.best.evaluation.cost.to_bits());
 }
 
-/// The first operation decides up to the indifference, then the second.
+/// The first operation decides. If the values differ by at most the indifference, the second operation
+/// decides.
 #[test]
 fn lexicographic_is_first_things_first() {
     let second = "[operation.later]\non = \"table\"\ngrid = [3, 3]\nbend_deg = -90\nsense = \"z\"\n";

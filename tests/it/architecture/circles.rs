@@ -1,12 +1,13 @@
-//! No circles between the files of a folder, at any depth: modules beside each other form layers, too.
+//! Tests that the modules of every folder have no circular dependencies, so that they form layers.
 
 use super::sources::{File, heads_at, sources};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Modules of a folder, each with the modules beside it that it uses and a line that does.
+/// Modules of a folder, each with the neighbouring modules that it uses and a line of code that uses them.
 type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
-/// Returns the folder that a file's `super::` means: `reach` for reach/scara.rs and reach/numeric/mod.rs.
+/// Returns the folder to which `super::` leads in a file: `reach` for reach/scara.rs and
+/// reach/numeric/mod.rs.
 fn parent(path: &str) -> &str {
     let path = path.strip_suffix("/mod.rs").unwrap_or(path);
     path.rsplit_once('/').map_or("", |(folder, _)| folder)
@@ -19,7 +20,7 @@ fn member<'a>(path: &'a str, folder: &str) -> Option<&'a str> {
     (name != "mod").then_some(name)
 }
 
-/// Returns the module in which each name is defined that the root of a folder takes from its modules.
+/// Returns, for each name that the root of a folder reexports, the module that defines the name.
 fn reexports(files: &[File], folder: &str, members: &BTreeSet<&str>) -> BTreeMap<String, String> {
     let roots = [format!("{folder}/mod.rs"), format!("{folder}.rs")];
     let mut names = BTreeMap::new();
@@ -37,7 +38,7 @@ fn reexports(files: &[File], folder: &str, members: &BTreeSet<&str>) -> BTreeMap
     names
 }
 
-/// Returns the name that a line at the margin defines for others.
+/// Returns the public name that an unindented line defines; None for any other line.
 fn public_name(line: &str) -> Option<String> {
     let mut words = line.strip_prefix("pub ")?.split(|c: char| !c.is_alphanumeric() && c != '_');
     let kinds = ["struct", "enum", "trait", "type", "fn", "const", "static"];
@@ -45,7 +46,7 @@ fn public_name(line: &str) -> Option<String> {
     words.next().map(String::from)
 }
 
-/// Returns which modules of a folder use which.
+/// Returns the dependencies between the modules of a folder.
 fn uses(files: &[File], folder: &str) -> Uses {
     let members: BTreeSet<&str> = files.iter().filter_map(|f| member(&f.path, folder)).collect();
     let reexports = reexports(files, folder, &members);
@@ -68,7 +69,7 @@ fn uses(files: &[File], folder: &str) -> Uses {
     uses
 }
 
-/// Returns every module that can be reached from one.
+/// Returns every module that a module uses directly or indirectly.
 fn reached<'a>(uses: &'a Uses, from: &str) -> BTreeSet<&'a str> {
     let mut seen = BTreeSet::new();
     let mut open = vec![from];

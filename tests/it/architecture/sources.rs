@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 /// Source file of src.
 pub struct File {
-    /// Path below src or, for a module of the core, below src/core. Its slashes are forward slashes.
+    /// Path below src or, for a module of the core, below src/core, with forward slashes.
     pub path: String,
     pub text: String,
     /// Text with comments and the contents of strings blanked.
@@ -18,7 +18,7 @@ impl File {
         self.path.split('/').next().unwrap().trim_end_matches(".rs")
     }
 
-    /// Says whether the file belongs to the edge, which alone may touch the outside world.
+    /// Returns whether the file belongs to the edge, the only part that may access the outside world.
     pub fn is_edge(&self) -> bool {
         ["cli", "main"].contains(&self.module())
     }
@@ -51,7 +51,7 @@ fn collect(folder: &Path, prefix: &str, files: &mut Vec<File>) {
     }
 }
 
-/// Returns a text with comments and the contents of strings blanked. Its lines stay lines.
+/// Returns a text in which comments and the contents of strings are blanked. Line breaks remain.
 fn code_of(text: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut code = String::with_capacity(text.len());
@@ -70,7 +70,8 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Returns the end of the comment, string or character that starts at `k`, or `k` if none does.
+/// Returns the end of the comment, string or character that starts at `k`; returns `k` if none of these
+/// starts there.
 fn end_of_no_code(chars: &[char], k: usize) -> usize {
     let starts = |word: &str| word.chars().enumerate().all(|(i, c)| chars.get(k + i) == Some(&c));
     let in_name = k > 0 && (chars[k - 1].is_alphanumeric() || chars[k - 1] == '_');
@@ -92,7 +93,7 @@ fn end_of_no_code(chars: &[char], k: usize) -> usize {
         }
     }
     if chars[k] == '\'' {
-        // A character, not a lifetime: 'x' or an escape.
+        // This is a character ('x' or an escape), not a lifetime.
         if chars.get(k + 1) == Some(&'\\') {
             return (k + 3..chars.len()).find(|&i| chars[i] == '\'').map_or(chars.len(), |i| i + 1);
         }
@@ -110,7 +111,7 @@ fn end_of_text(chars: &[char], mut k: usize) -> usize {
     k + 1
 }
 
-/// Returns the end of a block comment. Block comments nest.
+/// Returns the end of a block comment. Block comments may be nested.
 fn end_of_block(chars: &[char], mut k: usize) -> usize {
     let mut depth = 0;
     while k < chars.len() {
@@ -144,7 +145,7 @@ pub fn heads_at(code: &str, root: &str) -> Vec<(String, usize)> {
     starts.flat_map(names).collect()
 }
 
-/// Returns the first names after `root::`: one, or all names of a group in braces.
+/// Returns the first names after `root::`: one name, or all names of a group in braces.
 fn heads(rest: &str) -> Vec<String> {
     let name = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let rest = rest.trim_start();
@@ -167,7 +168,7 @@ fn heads(rest: &str) -> Vec<String> {
     names
 }
 
-/// Returns the lines of code that hold one of the words, outside the allowed files.
+/// Returns the lines of code that contain one of the words, outside the allowed files.
 pub fn with_words(words: &[&str], allowed: impl Fn(&File) -> bool) -> Vec<String> {
     let has = |f: &File| {
         let lines = f.code.lines().enumerate();
@@ -177,7 +178,7 @@ pub fn with_words(words: &[&str], allowed: impl Fn(&File) -> bool) -> Vec<String
     sources().iter().filter(|f| !allowed(f)).flat_map(has).collect()
 }
 
-/// Says whether code uses a crate by its whole name: `parry3d_like` does not use `parry3d`.
+/// Returns whether code uses the crate with exactly this name: `parry3d_like` does not use `parry3d`.
 pub fn uses_crate(code: &str, name: &str) -> bool {
     let word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
     code.match_indices(name)

@@ -1,9 +1,9 @@
-//! The words of src: a type name means one thing, and a doc comment means something alone.
+//! Tests the words of src: a type name has one meaning, and each sentence of a doc comment is clear alone.
 
 use super::sources::{File, sources};
 use std::collections::BTreeMap;
 
-/// Beginnings of sentences that say nothing without their neighbours.
+/// Beginnings of sentences that are unclear without the neighbouring sentences.
 const ELLIPSES: [&str; 6] = ["Of", "The same", "Its", "What is", "Those", "With"];
 
 /// Returns the names of the types that a file defines, each with its line. Associated types are not counted.
@@ -19,7 +19,7 @@ fn types(file: &File) -> Vec<(String, usize)> {
     file.code.lines().enumerate().filter_map(|(k, line)| Some((name(line)?, k + 1))).collect()
 }
 
-/// Returns every line of a doc comment with which a sentence begins, with its place.
+/// Returns every line of a doc comment at which a sentence begins, with its line number.
 fn sentences(file: &File) -> Vec<(String, usize)> {
     let text = |line: &str| {
         let line = line.trim_start();

@@ -41,7 +41,7 @@ fn a_heat_map_shows_hostile_names_as_text() {
     }
 }
 
-/// Returns the texts of a picture.
+/// Returns all texts of a picture.
 fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let all = document.descendants().filter(|n| n.tag_name().name() == "text");
@@ -68,7 +68,7 @@ fn a_legend_lists_exactly_the_node_signs_in_the_map() {
     }
 }
 
-/// Grids without area, constant fields and maps without a usable node still give a picture.
+/// Grids without area, constant fields and maps without a usable node also give a picture.
 #[test]
 fn maps_of_few_nodes_or_constant_values_are_drawn() {
     let workcell = workcell("hitachi_paper.toml");
@@ -113,7 +113,7 @@ fn maps_of_few_nodes_or_constant_values_are_drawn() {
     check("heat-odd-row", &row);
 }
 
-/// The axis numbers place the spot where its millimetres say.
+/// The position of the spot in the picture agrees with the numbers at the axes.
 #[test]
 fn the_spot_is_drawn_where_the_axes_place_it() {
     let workcell = workcell("hitachi_paper.toml");
@@ -122,7 +122,7 @@ fn the_spot_is_drawn_where_the_axes_place_it() {
     let svg = heat_map(&drawing, 0, 0, drawing.fields[0].sense, (0.003, 0.006));
     let document = roxmltree::Document::parse(&svg).unwrap();
     let all = || document.descendants().filter(|n| n.tag_name().name() == "text");
-    // Numbers stand along the foot, each under its gridline.
+    // The numbers of the x axis are at the bottom, each below its gridline.
     let ticks: Vec<(f64, f64)> = all()
         .filter(|n| n.attribute("text-anchor") == Some("middle"))
         .filter_map(|n| Some((n.text()?.parse().ok()?, number(&n, "x"))))
@@ -138,7 +138,8 @@ fn the_spot_is_drawn_where_the_axes_place_it() {
     assert!((at - sweetspot::units::mm_from_m(own.x)).abs() < 1.0, "{at} {own}");
 }
 
-/// The map shows every node sign, the fence and the keep-out boxes, cuts no text and thins many nodes.
+/// The map shows every node sign, the fence and the keep-out boxes. It cuts off no text, and draws only some
+/// of many nodes.
 #[test]
 fn the_heat_map_of_a_cell_shows_every_node() {
     for name in ["hitachi_cell", "drilling_cell"] {
@@ -188,7 +189,7 @@ fn keep(name: &str, svg: &str) {
     roxmltree::Document::parse(svg).unwrap();
 }
 
-/// An error without a sign has an arrow either way; a signed error has one.
+/// An unsigned error has two arrows in opposite directions, and a signed error has one arrow.
 #[test]
 fn errors_without_a_sign_have_arrows_either_way() {
     let cases = [

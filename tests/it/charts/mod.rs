@@ -1,6 +1,6 @@
-//! Tests the charts of a report: well formed, true to their records, and never without an answer.
+//! Tests the charts of a report: they are well formed, agree with their records, and exist for every input.
 //!
-//! With SWEETSPOT_CHARTS set to a folder, the charts of the tests are written there.
+//! If the environment variable SWEETSPOT_CHARTS names a folder, the tests write their charts there.
 
 mod iso;
 mod maps;
@@ -34,8 +34,8 @@ pub fn number(node: &roxmltree::Node<'_, '_>, attribute: &str) -> f64 {
     node.attribute(attribute).unwrap().parse().unwrap()
 }
 
-/// Checks a chart as a page and as a file: well formed, without style, id and script, with numbers only in
-/// geometry and every text inside the picture. Keeps it under a name if requested.
+/// Checks that a chart is well formed, has no style, id or script, has numbers only in its geometry, and has
+/// every text inside the picture. Writes the chart to a file if SWEETSPOT_CHARTS is set.
 pub fn check(name: &str, svg: &str) {
     keep(name, svg);
     let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{name}: {e}\n{svg}"));
@@ -46,7 +46,7 @@ pub fn check(name: &str, svg: &str) {
     assert!(title.is_some_and(|t| t.text().is_some()), "{name} has no title");
     let dark = sweetspot::report::chart::dark_rules(".dark");
     for node in root.descendants().filter(|n| n.is_element()) {
-        // A page can repaint every class.
+        // The dark style of a page has a rule for every class.
         let classes = node.attribute("class").unwrap_or_default().split_whitespace();
         classes.for_each(|class| assert!(dark.contains(&format!(".dark .{class}{{")), "{name}: {class}"));
         let tag = node.tag_name().name();
@@ -65,13 +65,14 @@ pub fn check(name: &str, svg: &str) {
     inside(name, &root, 720.0);
 }
 
-/// Keeps a chart and the style sheet of dark pages.
+/// Writes a chart and the style sheet of dark pages if SWEETSPOT_CHARTS is set.
 pub fn keep(name: &str, svg: &str) {
     crate::common::keep_to_look_at("dark.css", &sweetspot::report::chart::dark_rules("svg"));
     crate::common::keep_to_look_at(&format!("{name}.svg"), svg);
 }
 
-/// Checks that no text begins or ends outside the picture, with narrower letters than the charts assume.
+/// Checks that no text begins or ends outside the picture. The check assumes narrower letters than the
+/// charts.
 pub fn inside(name: &str, root: &roxmltree::Node<'_, '_>, width: f64) {
     let size: Vec<f64> = root.attribute("viewBox").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
     assert_eq!(size[2], width);

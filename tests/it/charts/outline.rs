@@ -7,7 +7,7 @@ use sweetspot::drawing::silhouette::{ABOVE, FRONT, ViewAxes, silhouette};
 use sweetspot::geometry::{convex_hull, join_edges, polygon_area, simplified_line};
 use sweetspot::pose::Pose;
 
-/// Signed areas of the outlines of a mesh.
+/// Returns the signed areas of the outlines of a mesh.
 fn areas(mesh: &Mesh, eye: &ViewAxes) -> Vec<f64> {
     let loops = silhouette(mesh, &Pose::IDENTITY, eye).loops;
     let plane = |ring: &Vec<Vector2<f64>>| ring.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>();
@@ -63,7 +63,7 @@ fn edges_join_to_lines_and_each_belongs_to_one() {
     let lines = join_edges(&edges, |_, free| free[0]);
     let corners: Vec<(&[i32], bool)> = lines.iter().map(|l| (&l.corners[..], l.is_closed)).collect();
     assert_eq!(corners, [(&[1, 2, 3, 4][..], false), (&[7, 8, 9][..], true)]);
-    // Where two rings meet, the choice decides how they are joined; no edge is lost.
+    // At a corner where two rings meet, the function `choose` decides how they are joined. No edge is lost.
     let eight = [(0, 1), (1, 2), (2, 0), (0, 3), (3, 4), (4, 0)];
     let joined = join_edges(&eight, |_, free| free[0]);
     assert_eq!(joined.iter().map(|l| l.corners.len()).sum::<usize>(), 6);

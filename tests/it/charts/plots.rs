@@ -10,7 +10,7 @@ use sweetspot::report::chart::{
 };
 use sweetspot::search;
 
-/// Checks that the bars of the budget at a spot are as long as its shares.
+/// Checks that the lengths of the bars of a budget are proportional to the shares.
 fn budget(name: &str, workcell: &Workcell, a: &Assessment<'_>) {
     let context = PostureContext::at(workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
         .unwrap_or_else(|e| panic!("{e:?}"));
@@ -102,7 +102,7 @@ fn a_set_without_errors_has_no_histogram() {
     let a = start(&workcell);
     let why = ErrorDistribution::at_spot(&a, 0).unwrap_err();
     assert!(why.contains("the error does not vary at this spot"), "{why}");
-    // A budget without anything to draw states the reason.
+    // If there is nothing to draw, the chart of the budget states the reason.
     let context = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
         .unwrap_or_else(|e| panic!("{e:?}"));
     let svg = tornado(&BudgetReport::new(context));
@@ -130,7 +130,7 @@ fn the_misplacement_chart_shows_the_allowed_misplacement() {
                 .filter_map(|(slot, g)| Some((g.as_ref()?.abs(), slot.is_angle())))
                 .collect();
             assert_eq!(widths.len(), slopes.len());
-            // The lengths of bars are compared among themselves, px per m/m.
+            // The lengths of the bars are compared with each other, px per m/m.
             let lengths = || widths.iter().zip(&slopes).filter(|(_, s)| !s.1);
             let px: f64 = lengths().map(|(w, _)| w).sum::<f64>() / lengths().map(|(_, s)| s.0).sum::<f64>();
             for (width, (slope, _)) in lengths() {

@@ -12,7 +12,7 @@ fn colour_bands_end_at_iso_lines_and_grow_lighter() {
     for level in scale.levels().iter().filter(|l| **l < 5.0) {
         assert!(edges.iter().any(|e| (e - level).abs() < 1e-9), "{level} in {edges:?}");
     }
-    // Values beyond the ends have the colours of the ends, since several maps share a scale.
+    // Values beyond the ends of the scale have the colours of the ends, because several maps share a scale.
     let colours: Vec<String> = [-9.0, 3.78, 4.97, 99.0].iter().map(|v| scale.colour(*v)).collect();
     assert!(colours[0] == colours[1] && colours[2] == colours[3] && colours[1] != colours[2]);
     let flat = ColourScale::new(2.0, 2.0 + 1e-13);

@@ -27,11 +27,11 @@ fn numbers_have_the_digits_of_their_step() {
 
 #[test]
 fn histogram_labels_cover_neither_lines_nor_labels() {
-    // Labels stand right of their lines, so near that the next line crosses each. The last stands alone.
+    // Each label is right of its line and so wide that the next line crosses it. The last label stands alone.
     let marks: Vec<(f64, f64, f64)> =
         [100.0, 140.0, 150.0, 400.0].iter().map(|x| (*x, x + 5.0, x + 80.0)).collect();
     assert_eq!(rows(&marks), [2, 1, 0, 0]);
-    // The last label stands left of its line, over the label before it.
+    // The last label is left of its line and overlaps the label before it.
     assert_eq!(rows(&[(100.0, 105.0, 180.0), (240.0, 160.0, 235.0)]), [1, 0]);
     assert!(rows(&[]).is_empty());
 }

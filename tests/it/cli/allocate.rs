@@ -1,10 +1,10 @@
-//! Tests `allocate`: the cheapest tolerances, their document, and the tables to paste.
+//! Tests `allocate`: the cheapest tolerances, their document, and the tables to paste into files.
 
 use super::sandbox::{CELL, PAPER, Sandbox};
 use serde_json::Value;
 
-/// The question of the references: the seed paper's robot with Table 3 as tolerances, by the linear model in
-/// xy.
+/// Command of the reference values: the seed paper's robot with Table 3 as tolerances, the linear model and
+/// the sense xy.
 const REFERENCE: [&str; 8] =
     ["allocate", PAPER, "--errors", "table-3-tolerance", "--model", "linear", "--sense", "xy"];
 
@@ -120,7 +120,7 @@ fn questions_without_an_answer_exit_2() {
     assert_eq!(shop.run(&["allocate", CELL, "--limit", "9", "--at", "0,0"]).code, Some(1));
 }
 
-/// The tables are an error set with which the limit is just kept, also by another command.
+/// With the printed error set, another command confirms that the limit is just kept.
 #[test]
 fn the_tables_keep_the_limit_when_pasted() {
     let shop = Sandbox::new();
@@ -199,7 +199,7 @@ fn costs_and_grades_of_the_files_count() {
     assert_eq!(document["status"], "cheapest");
     let requirement = &items(&document, "requirements")[0];
     assert!(requirement["after"].as_f64().unwrap() <= 6.0 * (1.0 + 1e-6));
-    // Half of IT11 for 850 mm is 0.28 mm: every chosen grade is one of the standard.
+    // Half of IT11 for 850 mm is 0.28 mm. Every chosen grade must be a grade of the standard.
     let halves = [0.115, 0.18, 0.28, 0.45, 0.7, 1.15];
     let after = entry("dl3")["after"].as_f64().unwrap();
     assert!(halves.iter().any(|half| (half - after).abs() < 1e-9), "{after}");
@@ -211,7 +211,7 @@ fn costs_and_grades_of_the_files_count() {
     assert!(shop.done(&["allocate", "cells/costly.toml"]).out.contains("grade"));
 }
 
-/// A limit with a yield is a limit of a percentile, which samples of the nonlinear model confirm.
+/// A limit with a yield is the limit of a percentile. Samples of the nonlinear model confirm the yield.
 #[test]
 fn a_yield_is_kept_by_the_samples() {
     let shop = Sandbox::new();

@@ -1,8 +1,9 @@
-//! Tests convex parts cached between runs: used, repaired when damaged, and done without.
+//! Tests the cache of convex parts between runs: valid entries are used, damaged entries are repaired, and
+//! the cache is not required.
 
 use crate::cli::sandbox::{CELL, Sandbox, ran, sha256};
 
-/// Angle of two bars on the forearm.
+/// Cell with an L-shaped mesh of two bars on the forearm.
 const ANGLE: &str = "from = \"hitachi_cell.toml\"\n[robot]\n\
     solid = [{ name = \"angle\", link = 3, mesh = { file = \"equipment/machine.stl\", units = \"mm\", centre_mm = [0, 0, 0] } }]\n";
 
@@ -30,16 +31,17 @@ fn the_cache_changes_nothing_but_the_time() {
     for damaged in [Vec::new(), vec![0xff; 50], kept[..kept.len() / 2].to_vec(), longer, changed] {
         std::fs::write(shop.path(&path), damaged).unwrap();
         assert_eq!(map("kept"), without);
-        assert_eq!(shop.read(&path), kept, "not mended");
+        assert_eq!(shop.read(&path), kept, "the entry is not repaired");
     }
-    // Without a usable folder, or without a link mesh, nothing is cached.
+    // Without a usable folder or without a link mesh, nothing is cached.
     assert_eq!(map("cells/angle.toml/below"), without);
     let mut command = shop.command(&["check", CELL]);
     assert_eq!(ran(command.env("SWEETSPOT_CACHE", "other").output().unwrap()).code, Some(0));
     assert!(!shop.path("other").exists());
 }
 
-/// A forged entry has the right hash for its name. It is kept if it is ours, else computed again.
+/// The test forges an entry with the right hash. The entry is used if only the user can write it, otherwise
+/// it is computed again.
 #[cfg(unix)]
 #[test]
 fn a_cache_entry_that_others_may_write_is_computed_again() {
@@ -64,11 +66,11 @@ fn a_cache_entry_that_others_may_write_is_computed_again() {
         map().no_panic();
         std::fs::read(&path).unwrap()
     };
-    assert_eq!(now(0o600), forged, "the forgery passes as our own");
+    assert_eq!(now(0o600), forged, "an entry that only the user can write is used");
     assert_eq!(now(0o644), forged);
     assert_eq!(now(0o666), kept, "everybody may write it");
     assert_eq!(now(0o620), kept, "the group may write it");
-    // The hash of an entry under another name does not fit.
+    // Under another name, the hash of an entry is wrong.
     let other = shop.path("kept").join("a".repeat(64));
     std::fs::rename(&path, &other).unwrap();
     symlink(&other, &path).unwrap();

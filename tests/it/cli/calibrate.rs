@@ -8,7 +8,7 @@ fn series(name: &str) -> String {
     root().join(format!("tests/data/ipa_ur10/{name}.csv.gz")).to_string_lossy().into_owned()
 }
 
-/// The series were measured in other months than the positions of the fit.
+/// The other series were measured in other months than the positions of the fit.
 #[test]
 fn a_calibration_of_a_real_arm_predicts_other_series() {
     let shop = Sandbox::new();
@@ -27,14 +27,14 @@ fn a_calibration_of_a_real_arm_predicts_other_series() {
     assert!(validator.is_valid(&document));
     let read: CalibrationDocument = serde_json::from_value(document.clone()).unwrap();
     assert_eq!(serde_json::to_value(&read).unwrap(), document);
-    // The draw of the rows depends on the seed alone.
+    // The random choice of rows depends only on the seed.
     let again = shop.json(&["calibrate", "ur10", &c, "--elastic", "--poses", "300"]);
     assert_eq!(again["parameters"], document["parameters"]);
     let other = shop.json(&["calibrate", "ur10", &c, "--elastic", "--poses", "300", "--seed", "2"]);
     assert_ne!(other["parameters"], document["parameters"]);
 }
 
-/// A cell reads the table with its elastic terms and its covariance, in every reading.
+/// A cell can use the table with its elastic terms and its covariance in every reading.
 #[test]
 fn the_table_of_measured_errors_is_ready_for_the_robot_file() {
     let shop = Sandbox::new();
@@ -70,7 +70,7 @@ fn the_table_of_measured_errors_is_ready_for_the_robot_file() {
     assert!(words.err.contains("joints shoulder_pan_joint") && words.err.contains("in rad"), "{}", words.err);
 }
 
-/// Rows of a table with decimal commas, in the columns of a user.
+/// Table with decimal commas and with column names that a user chose.
 const ROWS: &str = "A1;A2;A3;A4;A5;A6;along;across;up\n0,1;0,2;0,3;0,4;0,5;0,6;1,5;2;3\n";
 
 #[test]
@@ -96,7 +96,7 @@ fn wrong_tables_are_refused_with_their_place() {
     refused("short.csv", &format!("{header}0,0,0\n"), &[], &["short.csv:2"]);
     refused("empty.csv", header, &[], &["no row of numbers"]);
     refused("nothing.csv", "", &[], &["no column is recognised as `q1`"]);
-    // Positions of no arm.
+    // These positions belong to no arm.
     let random: String = (0..60)
         .map(|i| format!("{i},{},{},0,0,{i},{},{},{}\n", i % 7, i % 5, i * 31 % 97, i * 17 % 89, i))
         .collect();
@@ -121,7 +121,7 @@ fn every_parameter_has_a_name_and_a_unit() {
     assert_eq!(number(&document["rank"]) as usize + items(&document["unidentified"]).len(), parameters.len());
 }
 
-/// The second table has every row twice, under the names of two reflectors.
+/// The second table has every row twice, once for each of two reflectors.
 #[test]
 fn a_column_names_the_reflector_of_each_row() {
     let shop = Sandbox::new();
@@ -129,7 +129,7 @@ fn a_column_names_the_reflector_of_each_row() {
     let rows: Vec<String> = (0..60)
         .map(|i| {
             let q = [1.1, 0.7, 0.9, 1.3, 0.4, 0.8].map(|f| 1.5 * (f * f64::from(i * i)).sin());
-            // The reflector is at the flange, and the base is that of the tracker.
+            // The reflector is at the flange, and the base frame equals the frame of the tracker.
             let p = flange_of_ur10(&q);
             format!("{},{},{},{}", q.map(|q| q.to_string()).join(","), p.x, p.y, p.z)
         })
@@ -146,7 +146,7 @@ fn a_column_names_the_reflector_of_each_row() {
     assert!(words.err.contains("reflectors left, right") && words.err.contains("in m"), "{}", words.err);
 }
 
-/// Returns the flange (m) of an arm with the rows of the UR10.
+/// Returns the position of the flange (m) of an arm with the rows of the UR10.
 pub fn flange_of_ur10(q: &[f64; 6]) -> nalgebra::Vector3<f64> {
     let frames = q.iter().zip(ROWS_OF_UR10).fold(nalgebra::Isometry3::identity(), |t, (q, (r, l, alpha))| {
         let along = nalgebra::Isometry3::translation(0.0, 0.0, r)
@@ -168,7 +168,8 @@ const ROWS_OF_UR10: [(f64, f64, f64); 6] = [
     (0.0922, 0.0, 0.0),
 ];
 
-/// Every position of a table is a dot over every joint, and the next command keeps the options of the fit.
+/// The charts have a dot for every position over every joint, and the suggested next command keeps the
+/// options of the fit.
 #[test]
 fn the_residuals_are_drawn_over_every_joint() {
     let shop = Sandbox::new();
@@ -177,7 +178,7 @@ fn the_residuals_are_drawn_over_every_joint() {
     let svg = shop.text("left.svg");
     let document = roxmltree::Document::parse(&svg).unwrap();
     let dots = document.descendants().filter(|node| node.has_tag_name("circle"));
-    // One more circle is the mark of the legend.
+    // One more circle belongs to the legend.
     assert_eq!(dots.count(), 6 * 60 + 1);
     let next = format!("next: sweetspot calibrate ur10 {b} --elastic --poses 60 --seed 1 --toml");
     assert!(run.err.contains("wrote left.svg") && run.err.contains(&next), "{}", run.err);

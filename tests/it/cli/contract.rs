@@ -24,7 +24,7 @@ fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
         assert!(!ran.out.is_empty() && !ran.out.contains("next: "), "{args:?}: {}", ran.out);
         assert!(ran.err.contains("next: sweetspot "), "{args:?}: {}", ran.err);
     }
-    // The search reports the best layout and where it wrote it.
+    // The search reports the best layout and the folder of the result.
     let again = shop.done(&["search", CELL, "--budget", "2000", "--out", "again"]);
     assert!(again.out.contains("% lower than that of the start"), "{}", again.out);
     assert!(again.err.contains("wrote again: "), "{}", again.err);
@@ -46,7 +46,7 @@ fn json_output_is_exactly_one_document() {
         let document = shop.done(args).document();
         assert_eq!(document["schema"], format!("sweetspot/{schema}/1"), "{args:?}");
     }
-    // A cell with faults still gives a document, and the exit code refuses.
+    // A cell with faults still gives a document, but the exit code reports the faults.
     shop.write("cells/bad.toml", "schema = \"sweetspot/cell/1\"\n");
     let ran = shop.run(&["check", "cells/bad.toml", "--json"]);
     assert_eq!((ran.code, &ran.document()["valid"]), (Some(2), &Value::Bool(false)));
@@ -142,7 +142,7 @@ fn a_missing_cell_file_exits_3() {
         let ran = shop.run(args);
         assert_eq!(ran.code, Some(3), "{args:?}: {}", ran.err);
     }
-    // A readable folder without a search is the wrong folder.
+    // A folder without a search is rejected, even if it can be read.
     std::fs::create_dir(shop.path("empty")).unwrap();
     for args in [["compare", "empty"], ["report", "empty"], ["view", "empty"]] {
         let ran = shop.run(&args);
@@ -151,7 +151,7 @@ fn a_missing_cell_file_exits_3() {
     }
     let ran = shop.run(&["map", "cells/nowhere.toml"]);
     assert!(ran.err.contains("cells/nowhere.toml") && ran.err.contains("no such file"), "{}", ran.err);
-    // A missing part that the cell names is a fault of the cell.
+    // A missing file that the cell names is a fault of the cell.
     shop.write(
         "cells/part.toml",
         "from = \"hitachi_cell.toml\"\nrobot = { from = \"robots/nobody.toml\" }\n",
@@ -161,7 +161,7 @@ fn a_missing_cell_file_exits_3() {
     assert!(part.err.contains("cells/part.toml:2:"), "{}", part.err);
 }
 
-/// Root may write anywhere, so the unwritable file has a file as its parent.
+/// Root may write anywhere, so the parent of the unwritable path is a file.
 #[test]
 fn an_unwritable_output_exits_3() {
     let shop = Sandbox::new();
@@ -193,7 +193,7 @@ fn a_full_stdout_exits_3() {
     ran.no_panic();
 }
 
-/// In `sweetspot ... | head` a closed reader is no fault and no panic.
+/// In `sweetspot ... | head`, the closed reader causes neither an error nor a panic.
 #[test]
 fn a_closed_stdout_ends_the_run_quietly() {
     let shop = Sandbox::new();
@@ -214,14 +214,14 @@ fn a_closed_stdout_ends_the_run_quietly() {
     }
 }
 
-/// Ctrl-C ends a search early and keeps the best layout so far.
+/// Ctrl-C ends a search early, and the best layout so far is kept.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_exits_130_and_keeps_the_best_layout() {
     let shop = Sandbox::new();
     let args = ["search", CELL, "--budget", "1000000000", "--out", "found", "--json"];
     let child = shop.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The folder comes before the search. After that, wait for some thousand layouts.
+    // The folder is created before the search begins. Then the test waits for some thousand layouts.
     for _ in 0..600 {
         if shop.path("found").exists() {
             break;
@@ -275,7 +275,7 @@ fn help_of_every_command_begins_with_an_example() {
     assert_eq!(shop.done(&["--version"]).out, format!("sweetspot {}\n", env!("CARGO_PKG_VERSION")));
 }
 
-/// The examples run as printed, from the folder with cells/.
+/// The examples of the help run as printed, in the folder that contains cells/.
 #[test]
 fn the_examples_of_the_help_run() {
     let shop = Sandbox::new();
@@ -300,7 +300,7 @@ fn the_examples_of_the_help_run() {
 
 const STATUSES: [&str; 4] = ["ok", "out-of-reach", "joint-limit", "collision"];
 
-/// Checks every field of a node and its shape; `null` is allowed only without a posture.
+/// Checks the presence and the form of every field of a node. `null` is allowed only without a posture.
 fn check_node(node: &Value) {
     assert_eq!(numbers(field(node, "position_mm")).len(), 3);
     let status = text(field(node, "status"));
@@ -352,7 +352,8 @@ fn map_json_of_the_paper_cell_has_the_numbers_of_the_paper() {
     assert_eq!(nodes.len(), 99);
     assert_eq!(nodes.iter().filter(|n| n["status"] == "ok").count(), 80);
     for (k, node) in nodes.iter().enumerate() {
-        // Nodes go over x, then y, from the low corner of a 1500 x 700 table centred at (0, 1250).
+        // The nodes run along x and then along y, from the lower corner of a table of 1500 x 700 mm centred
+        // at (0, 1250).
         let (i, j) = (k % 11, k / 11);
         assert_eq!((number(&node["i"]), number(&node["j"])), (i as f64, j as f64));
         let corner = [-750.0 + 150.0 * i as f64, 900.0 + 87.5 * j as f64, 1350.0];
@@ -392,7 +393,7 @@ fn search_json_has_every_documented_field() {
     assert!(number(field(&found, "seconds")) >= 0.0);
     assert!((1.0..=2000.0).contains(&number(field(&found, "evaluations"))));
     let layout = field(&found, "layout").as_object().unwrap();
-    // A layout does not place obstacles.
+    // A layout does not contain obstacles.
     assert_eq!(layout.keys().collect::<Vec<_>>(), ["worktable", "conveyor"]);
     for place in layout.values() {
         ["x_mm", "y_mm", "z_mm", "yaw_deg"].iter().for_each(|key| assert!(field(place, key).is_f64()));
@@ -409,7 +410,7 @@ fn search_json_has_every_documented_field() {
         sum += sense;
     }
     assert!((sum - number(field(&found, "objective_mm"))).abs() < 1e-8);
-    // The file is the same document but for the one number that no other run can repeat.
+    // The file equals the printed document without the duration, which differs from run to run.
     let mut file = shop.document("found/search.json");
     assert!(file.get("seconds").is_none());
     file["seconds"] = found["seconds"].clone();
@@ -439,14 +440,14 @@ fn best_toml_gives_the_objective_of_search_json() {
     shop.has("found", &["best.toml", "search.json", "map.csv", "map.svg", "manifest.json"]);
     let [map, compare, search] = objectives(&shop, "found");
     assert!((map - search).abs() < 1e-9 && (compare - search).abs() < 1e-9, "{map} {compare} {search}");
-    // The folder needs nothing from outside.
+    // The folder is complete: it also works without the original cell.
     copy_folder(&shop.path("found"), &shop.path("mailed"));
     std::fs::remove_dir_all(shop.path("cells")).unwrap();
     std::fs::remove_dir_all(shop.path("found")).unwrap();
     assert_eq!(objectives(&shop, "mailed"), [search; 3]);
 }
 
-/// A search can continue from a best.toml, whose folder holds inputs of inputs.
+/// A search can start from a best.toml. Its folder then contains the inputs of the earlier search.
 #[test]
 fn best_toml_made_from_a_best_toml_runs() {
     let shop = Sandbox::new();
@@ -457,7 +458,7 @@ fn best_toml_made_from_a_best_toml_runs() {
     assert_eq!(search, number(&shop.document("first/search.json")["objective_mm"]));
 }
 
-/// A coordinate given finer than the search rounds stays as it is given.
+/// A fixed coordinate with more digits than the rounding of the search stays unchanged.
 #[test]
 fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
     let shop = Sandbox::new();
@@ -470,7 +471,7 @@ fn best_toml_keeps_fixed_coordinates_to_the_last_digit() {
     shop.done(&["search", "cells/fine.toml", "--budget", "2000", "--out", "found"]);
     let [map, compare, search] = objectives(&shop, "found");
     assert!((map - search).abs() < 1e-9 && (compare - search).abs() < 1e-9, "{map} {compare} {search}");
-    // The start layout keeps its digits where it is the best one.
+    // If the start layout is the best layout, it keeps its digits.
     let drawn = shop.text(CELL).replace("start = 300 }", "start = 300.1234567 }");
     shop.write("cells/drawn.toml", &drawn);
     shop.done(&["search", "cells/drawn.toml", "--budget", "1", "--out", "drawn"]);
@@ -497,7 +498,7 @@ fn best_toml_runs_whatever_the_cell_file_is_called() {
     assert_eq!(std::fs::read_dir(shop.path("results")).unwrap().count(), names.len());
 }
 
-/// A path that is not UTF-8 must not end a search in a panic after all its work.
+/// A path that is not UTF-8 must not make a search panic at its end.
 #[cfg(target_os = "linux")]
 #[test]
 fn paths_may_be_other_than_utf8() {
@@ -582,7 +583,7 @@ fn the_manifest_records_inputs_version_and_seed() {
     }
     let outputs = items(&manifest["outputs"]);
     let told: Vec<_> = outputs.iter().map(|o| text(&o["path"])).collect();
-    // The manifest lists every file but itself and the inputs.
+    // The manifest lists every file except itself and the inputs.
     let mut files = shop.files("found");
     files.retain(|f| f != "manifest.json" && !f.starts_with("inputs/"));
     assert!(files.iter().all(|f| told.contains(&f.as_str())) && files.len() == told.len(), "{told:?}");
@@ -590,7 +591,7 @@ fn the_manifest_records_inputs_version_and_seed() {
         let bytes = shop.read(&format!("found/{}", text(&output["path"])));
         assert_eq!(text(&output["sha256"]), sha256(&bytes), "{output}");
     }
-    // The command gives the same outputs in another place.
+    // The command of the manifest gives the same files in another folder.
     let other = Sandbox::new();
     let command: Vec<_> = items(&manifest["command"]).iter().map(text).collect();
     other.done(&command);
@@ -681,7 +682,7 @@ fn hostile_cell(collision: bool) -> String {
     cell
 }
 
-/// Says whether a spreadsheet would run the text. A plain number is no formula.
+/// Returns whether a spreadsheet would interpret the text as a formula. A plain number is not a formula.
 fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err()
 }
@@ -705,7 +706,7 @@ fn hostile_names_are_printed_as_text() {
         assert_eq!(rows.len(), 4 * HOSTILE.len());
         for (row, name) in rows.iter().zip(HOSTILE.iter().flat_map(|n| [n; 4])) {
             for (k, cell) in row.iter().enumerate() {
-                // `-2` is a number, but as a name it is text: only the columns of numbers may have one.
+                // `-2` is a number, but as a name it is text. Only number columns may contain numbers.
                 let runs = if k < 2 { cell.starts_with(['=', '+', '-', '@']) } else { is_formula(cell) };
                 assert!(!runs, "{cell}");
             }
@@ -717,7 +718,7 @@ fn hostile_names_are_printed_as_text() {
             assert!(said.iter().any(|t| t.starts_with(name)), "{name} is not in the picture");
         }
     }
-    // The terminal and the other commands are checked, too.
+    // The terminal output and the other commands are also checked.
     shop.done(&["check", "cells/free.toml"]);
     shop.done(&["budget", "cells/free.toml"]);
     let name = format!("--operation={}", HOSTILE[6]);
@@ -728,7 +729,8 @@ fn hostile_names_are_printed_as_text() {
     shop.done(&["compare", "cells/free.toml", "free"]);
 }
 
-/// Returns the texts between the tags of a well-formed document with entities resolved. Panics at any other.
+/// Returns the texts between the tags of a document, with entities resolved. Panics if the document is not
+/// well formed.
 fn texts_of_xml(document: &str) -> Vec<String> {
     let mut open: Vec<String> = Vec::new();
     let mut texts = Vec::new();
@@ -768,7 +770,8 @@ fn end_of_tag(tag: &str) -> usize {
     panic!("a tag without end: {tag:.60}")
 }
 
-/// Checks that attributes are written as `key="value"`, none twice, and returns the name of the tag.
+/// Checks that attributes have the form `key="value"` and that none occurs twice. Returns the name of the
+/// tag.
 fn check_tag(tag: &str) -> String {
     let (name, mut rest) = tag.split_once(' ').unwrap_or((tag, ""));
     let mut keys = Vec::new();
@@ -788,7 +791,7 @@ fn check_tag(tag: &str) -> String {
     name.to_string()
 }
 
-/// Returns a text with its entities resolved. Panics at a `&` that starts none.
+/// Returns a text with its entities resolved. Panics at a `&` that starts no entity.
 fn resolved(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -835,7 +838,7 @@ fn a_symbolic_link_out_of_the_cell_folder_is_refused() {
         assert_eq!(shop.run(&["map", &format!("cells/{name}.toml")]).code, Some(2), "{name}");
     }
     shop.done(&["map", "cells/inside.toml"]);
-    // A folder of cells reached through a symbolic link is accepted.
+    // A folder of cells behind a symbolic link is accepted.
     symlink(outside.path("cells"), shop.path("linked")).unwrap();
     shop.done(&["map", "linked/hitachi_paper.toml"]);
 }
@@ -885,9 +888,9 @@ fn compare_refuses_layouts_of_another_question() {
             assert!(ran.err.contains("cannot be compared"), "{}", ran.err);
             assert!(ran.err.contains(one) && ran.err.contains(other), "{}", ran.err);
         }
-        // A cell of another question is refused as the third of three, too.
+        // A cell with another interpretation is also refused as the third of three cells.
         assert_eq!(shop.run(&["compare", CELL, CELL, &cell]).code, Some(2), "{name}");
     }
-    // With one common sense they answer the same question again.
+    // With a common sense, the cells can be compared again.
     shop.done(&["compare", CELL, "cells/sense.toml", "--sense", "xyz"]);
 }

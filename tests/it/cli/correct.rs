@@ -1,4 +1,4 @@
-//! Tests `correct`: spots, nodes and tables of targets, and refusals in words.
+//! Tests `correct`: spots, nodes and tables of targets, and the messages of refusals.
 
 use crate::cli::sandbox::{Sandbox, items, number, text};
 use serde_json::Value;
@@ -26,7 +26,7 @@ fn the_spots_of_a_cell_are_corrected() {
         let spot = items(&operation["nodes"])
             .iter()
             .find(|node| node["i"] == target["node"][0] && node["j"] == target["node"][1]);
-        // The error without correction is that of the map.
+        // The error without correction equals the error in the map.
         let error: f64 =
             items(&spot.unwrap()["error_mm"]).iter().map(|e| number(e).powi(2)).sum::<f64>().sqrt();
         assert!((number(&target["before_mm"]) - error).abs() < 1e-6, "{target}");
@@ -38,7 +38,7 @@ fn the_spots_of_a_cell_are_corrected() {
     assert!(words.err.contains("next: sweetspot correct cells/ur_cell.toml --csv"), "{}", words.err);
 }
 
-/// The error of the corrected posture at its target is what `explain` finds, from the other side.
+/// The command `explain` confirms that the corrected posture with its error reaches the target.
 #[test]
 fn explain_finds_the_corrected_posture_on_the_target() {
     let shop = Sandbox::new();
@@ -68,7 +68,7 @@ fn every_usable_node_is_corrected_on_request() {
     assert_eq!(ran.code, Some(if all { 0 } else { 1 }), "{}", ran.err);
     for target in items(&document["targets"]).iter().filter(|t| t["state"] == "corrected") {
         assert!(number(&target["rest_mm"]) < 1e-6, "{target}");
-        // Four joints cannot correct the orientation as well.
+        // Four joints cannot also correct the orientation.
         assert!(number(&target["rest_deg"]) > 0.01, "{target}");
     }
     let csv = shop.run(&[&args[..], &["--csv"]].concat()).out;
@@ -90,7 +90,8 @@ fn targets_of_a_table_are_corrected_in_each_frame() {
     let [here, far] = [0, 1].map(|k| &items(&document["targets"])[k]);
     assert_eq!((text(&here["name"]), text(&far["reason"])), ("here", "out of reach"));
     assert!(number(&here["rest_mm"]) < 1e-6);
-    // Poses in the base frame: a nominal pose with its rotation, and a decimal comma.
+    // The target is a pose in the base frame: a nominal pose with its rotation, in a table with decimal
+    // commas.
     let command = &spot["command"];
     let [rx, ry, rz] = [0, 1, 2].map(|k| number(&command["rpy_deg"][k]));
     let [bx, by, bz] = [0, 1, 2].map(|k| number(&command["position_mm"][k]));
@@ -101,7 +102,7 @@ fn targets_of_a_table_are_corrected_in_each_frame() {
     let posed = &items(&posed["targets"])[0];
     assert_eq!(posed["state"], "corrected");
     assert!(number(&posed["rest_mm"]) < 1e-6 && number(&posed["rest_deg"]) < 1e-6, "{posed}");
-    // The command is off the target by the error that it corrects.
+    // The distance of the command from the target is the error that the command corrects.
     let moved = [bx, by, bz].into_iter().zip(items(&posed["command"]["position_mm"]));
     let moved = moved.map(|(target, to)| (number(to) - target).powi(2)).sum::<f64>().sqrt();
     assert!((moved / number(&posed["before_mm"]) - 1.0).abs() < 0.05, "{posed}");

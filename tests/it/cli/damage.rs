@@ -23,7 +23,7 @@ fn restore(shop: &Sandbox, folder: &str, whole: &BTreeMap<String, Vec<u8>>) {
     }
 }
 
-/// Flips one bit of a file, or cuts its end off.
+/// Returns a file with one bit flipped or with its end cut off.
 fn damaged(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     let mut damaged = bytes.to_vec();
     if rng.random_bool(0.2) {
@@ -67,7 +67,8 @@ fn every_damage_of_a_search_folder_is_refused() {
     println!("search, Pareto and robust folders: {refused} damages, all refused");
 }
 
-/// The folder has no manifest. The checkpoint names the inputs, and the layout is assessed anew.
+/// The folder of a stopped search has no manifest. The checkpoint names the inputs, and the layout is
+/// assessed again.
 #[test]
 fn every_damage_of_a_stopped_search_is_refused_or_changes_no_report() {
     let shop = Sandbox::new();
@@ -125,7 +126,7 @@ fn every_damage_of_a_sweep_folder_is_refused_or_computed_again() {
             restore(&shop, "swept", &whole);
         }
     }
-    println!("sweep folder: {refused} damages refused, {again} mended");
+    println!("sweep folder: {refused} damages refused, {again} repaired");
     assert!(refused > 0 && again > 0, "{refused} refused, {again} computed again");
 }
 
@@ -176,7 +177,7 @@ fn an_edited_manifest_is_refused() {
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
         assert!(ran.err.contains("manifest.json: it is damaged"), "{}", ran.err);
     }
-    // Without inputs a forged manifest still gets a reason.
+    // A forged manifest without inputs is refused with a reason.
     shop.write("found/manifest.json", &resealed(&list("inputs")));
     let ran = shop.run(&["report", "found"]);
     assert!(ran.code == Some(2) && ran.err.contains("manifest.json: it names no inputs"), "{}", ran.err);
@@ -200,7 +201,7 @@ fn the_kept_cell_file_replaces_no_other_input() {
     assert_ne!(report.code, Some(2), "{}", report.err);
 }
 
-/// A named pipe without a writer blocks whoever opens it.
+/// A named pipe without a writer would block a program that opens it.
 #[cfg(unix)]
 #[test]
 fn a_plan_or_checkpoint_that_is_no_file_is_refused_at_once() {
@@ -214,14 +215,14 @@ fn a_plan_or_checkpoint_that_is_no_file_is_refused_at_once() {
     std::fs::rename(shop.path("piped/plan.json"), shop.path("piped/checkpoint.jsonl")).unwrap();
     let ran = shop.run(&["search", "--resume", "piped"]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
-    // A link must not lead out of the folder.
+    // A symbolic link must not lead out of the folder.
     shop.done(&SWEEP);
     std::fs::create_dir(shop.path("linked")).unwrap();
     std::os::unix::fs::symlink(shop.path("swept/plan.json"), shop.path("linked/plan.json")).unwrap();
     let ran = shop.run(&["sweep", "--resume", "linked"]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
     assert!(ran.err.contains("outside the folder of the sweep"), "{}", ran.err);
-    // A sparse file of 3 GB takes no memory.
+    // A sparse file of 3 GB is refused without using memory.
     let huge = std::fs::File::create(shop.path("piped/plan.json")).unwrap();
     huge.set_len(3 << 30).unwrap();
     let ran = shop.run(&["sweep", "--resume", "piped"]);

@@ -1,4 +1,4 @@
-//! Tests `errors`: the table goes into a robot file and gives the accuracy that was asked for.
+//! Tests `errors`: with the printed table in a robot file, the robot has the requested accuracy.
 
 use crate::cli::sandbox::{Sandbox, items, number, text};
 use sweetspot::record::{DocumentKind, ErrorsDocument};
@@ -13,7 +13,8 @@ fn pasted(shop: &Sandbox, robot: &str, args: &[&str]) -> serde_json::Value {
     shop.json(&["errors", "guessed.toml", "--errors", "guess"])
 }
 
-/// Standard and modified rows, turning and sliding joints, own sets and presets.
+/// The robots have standard and modified rows, revolute and prismatic joints, error sets of the robot file
+/// and presets.
 #[test]
 fn the_table_in_a_robot_file_gives_the_wanted_accuracy() {
     let shop = Sandbox::new();
@@ -28,7 +29,7 @@ fn the_table_in_a_robot_file_gives_the_wanted_accuracy() {
         let wanted: f64 = args[1].parse().unwrap();
         let found = number(&document["ap"]["median_mm"]);
         assert!((found / wanted - 1.0).abs() < 1e-5, "{robot}: {found}");
-        // A set whose name begins with "guess" stays a guess.
+        // An error set whose name begins with "guess" remains a guess.
         assert_eq!((&document["guess"], number(&document["scale"])), (&true.into(), 1.0));
     }
 }

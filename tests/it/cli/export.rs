@@ -1,4 +1,4 @@
-//! Tests `export`: every format comes from the binary and is read again by hand.
+//! Tests `export`: the binary writes every format, and independent code reads it.
 
 use crate::cli::sandbox::{numbers as numbers_of, *};
 use crate::report::planar_face::{area, loops};
@@ -22,8 +22,8 @@ const FORMATS: &[&str] = match (cfg!(feature = "parquet"), cfg!(feature = "pdf")
     }
 };
 
-/// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
-/// of cells refuses control characters in names.
+/// Hostile name as a TOML string: unescaped, it would be a command for a spreadsheet, a CAD program and a
+/// browser. Control characters are not included, because the reader of cells rejects them in names.
 const HOSTILE: &str = "=cmd|'/C c'!A0<script>x()</script>%%c^J\\\\U+0041\\\"&\u{fc}";
 
 /// Returns the group codes and values of an ASCII DXF.
@@ -79,7 +79,7 @@ fn a_dxf_shows_the_values_of_the_map() {
             assert!(near(&point(circle, 10), &numbers(&node["position_mm"]), 1e-5), "{layer}");
         }
     }
-    // One exaggeration holds for all arrows and is given in a text.
+    // All arrows have the same exaggeration, which a text of the drawing states.
     let texts = on(&all, "TEXT", "TEXT");
     let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, enlarged ")).unwrap();
     let enlarged: f64 = said.split(' ').next().unwrap().parse().unwrap();
@@ -98,7 +98,7 @@ fn a_dxf_shows_the_values_of_the_map() {
             assert!(arrow[1..].iter().all(|barb| point(barb, 10) == tip));
         }
     }
-    // Dimensions give the places of the frames. The base is the origin of this cell.
+    // The dimensions state the positions of the frames. The base is at the origin of this cell.
     let dimensions = on(&all, "DIMENSION", "DIMENSIONS");
     let (angular, linear): (Vec<_>, Vec<_>) =
         dimensions.into_iter().partition(|d| d[&70].parse::<u16>().unwrap() & 7 == 5);
@@ -128,7 +128,8 @@ fn a_dxf_shows_the_values_of_the_map() {
     }
 }
 
-/// Every piece is one block, which stands where the layout places it and holds its solids and its outline.
+/// Every piece is one block at the placement of the layout. The block contains the solids and the outline of
+/// the piece.
 #[test]
 fn a_dxf_has_one_block_for_each_piece_and_a_paper() {
     let shop = Sandbox::new();
@@ -146,7 +147,7 @@ fn a_dxf_has_one_block_for_each_piece_and_a_paper() {
         assert!(near(&point(insert, 10), &stands, 1e-5), "{name}");
         assert!((insert[&50].parse::<f64>().unwrap() - number(&at["yaw_deg"])).abs() < 1e-5, "{name}");
     }
-    // No solid is loose in the model.
+    // No solid is outside a block.
     assert!(!all.iter().any(|(kind, _)| kind == "3DFACE"));
     let pairs = pairs(&dxf);
     let block = |name: &str| {
@@ -158,17 +159,17 @@ fn a_dxf_has_one_block_for_each_piece_and_a_paper() {
     for name in &names {
         let of = |kind: &str| block(name).iter().filter(|p| **p == (0, kind)).count();
         assert!(of("3DFACE") >= 12 && of("LWPOLYLINE") >= 2 && of("TEXT") == 1, "{name}");
-        // No part has more faces than a CAD program draws at once.
+        // No part has so many faces that a CAD program becomes slow.
         assert!(of("3DFACE") < 8000, "{name}: {}", of("3DFACE"));
     }
-    // The faces are many, so their layer is frozen; the outlines are not.
+    // The layer of the many faces is frozen. The layer of the outlines is not.
     let frozen = |layer: &str| {
         let starts = |w: &[(u16, &str)]| w[0] == (100, "AcDbLayerTableRecord") && w[1] == (2, layer);
         let start = pairs.windows(2).position(starts).unwrap();
         pairs[start + 2] == (70, "1")
     };
     assert!(frozen("FACES") && !frozen("EQUIPMENT") && !frozen("ARROWS_R"));
-    // The paper has a title block and a viewport on the model besides its own.
+    // The paper space has a title block and, besides its own viewport, a viewport on the model.
     let on_paper =
         |kind: &str| all.iter().filter(|(k, e)| k == kind && e.get(&67).is_some_and(|v| v == "1")).count();
     assert_eq!(on_paper("VIEWPORT"), 2);
@@ -180,7 +181,7 @@ fn a_dxf_has_one_block_for_each_piece_and_a_paper() {
     assert!(!on(&all, "LWPOLYLINE", "ENVELOPE").is_empty() && !on(&all, "LWPOLYLINE", "REGION").is_empty());
 }
 
-/// The faces of the REGION entities are those that the outlines on their layer enclose.
+/// The faces of the REGION entities are the areas that the outlines on their layer enclose.
 #[test]
 fn the_allowed_placements_are_regions_of_a_dxf() {
     let shop = Sandbox::new();
@@ -284,7 +285,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
     let nodes = items(&document["nodes"]);
     let index =
         |name: &str| nodes.iter().position(|n| n["name"] == name).unwrap_or_else(|| panic!("no {name}"));
-    // The first node turns z into y. The table then stands where the map places it.
+    // The first node rotates z to y. With this rotation, the table is at the position of the map.
     let top = &nodes[document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize];
     let up = turned(&numbers_of(&top["rotation"]), [0.0, 0.0, 1.0]);
     assert!(near(&up, &[0.0, 1.0, 0.0], 1e-6), "{up:?}");
@@ -294,7 +295,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
     let yaw = number(&map["layout"]["worktable"]["yaw_deg"]).to_radians();
     let along = turned(&numbers_of(&table["rotation"]), [1.0, 0.0, 0.0]);
     assert!(near(&along, &[yaw.cos(), yaw.sin(), 0.0], 1e-6));
-    // The drawn TCP is at the requested spot. The animation passes every spot and ends at its start.
+    // The drawn TCP is at the requested spot. The animation passes every spot and ends where it starts.
     let spot = |k: usize| {
         numbers_of(&map["operations"][k]["best"]["position_mm"])
             .iter()
@@ -321,7 +322,7 @@ fn a_glb_is_valid_and_its_robot_moves_to_the_spots() {
         let turns = read(&document, &numbers, &channel(link, "rotation")["output"]);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         assert!(turns.iter().all(|q| (dot(q, q) - 1.0).abs() < 1e-5));
-        assert!(turns.windows(2).all(|q| dot(&q[0], &q[1]) > 0.9), "a leap of link {link}");
+        assert!(turns.windows(2).all(|q| dot(&q[0], &q[1]) > 0.9), "link {link} jumps");
     }
     // At home the TCP is elsewhere.
     shop.done(&["export", CELL, "--to", "glb", "--posture", "home", "-o", "home.glb"]);
@@ -350,7 +351,7 @@ fn a_drawing_to_scale_has_the_size_of_its_scale() {
         .collect();
     let ratio: f64 = texts.iter().find_map(|t| t.strip_prefix("1:")).unwrap().parse().unwrap();
     assert!([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].contains(&ratio));
-    // The plan marks both spots at their distance in the map, divided by the scale.
+    // In the plan, the distance of the marks of both spots is their distance in the map divided by the scale.
     let circles: Vec<_> = document.descendants().filter(|n| n.attribute("r") == Some("1.8")).collect();
     let at = |k: usize| ["cx", "cy"].map(|a| circles[k].attribute(a).unwrap().parse::<f64>().unwrap());
     assert_eq!(circles.len(), 4); // plan and front of each
@@ -436,9 +437,9 @@ fn one_layout_exports_to_the_same_bytes() {
     for folder in ["a", "b"] {
         std::fs::create_dir(shop.path(folder)).unwrap();
     }
-    // The crate of the PDF orders its objects by chance: tests of `print_out` compare them.
+    // The PDF crate writes its objects in random order, so the tests in `print_out` compare PDF files.
     for format in FORMATS.iter().copied().filter(|format| *format != "pdf") {
-        // A module of KRL or RAPID is named after its file.
+        // The name of a KRL or RAPID module is the name of its file.
         for folder in ["a", "b"] {
             shop.done(&["export", PAPER, "--to", format, "-o", &format!("{folder}/cell.{format}")]);
         }
@@ -497,7 +498,7 @@ fn a_failed_export_leaves_existing_files_untouched() {
     assert_eq!(shop.text("far.glb"), "old");
     let left: Vec<String> = shop.files(".").into_iter().filter(|f| f.contains(".sweetspot-")).collect();
     assert!(left.is_empty(), "{left:?}");
-    // Without a requested spot the robot is drawn at home, in every format.
+    // If no spot is requested, every format shows the robot at home.
     for format in FORMATS.iter().copied() {
         shop.done(&["export", "cells/far.toml", "--to", format, "-o", &format!("far.{format}")]);
     }
@@ -521,7 +522,7 @@ fn hostile_names_are_text_in_every_format() {
     assert_eq!(values.iter().filter(|p| **p == (0, "EOF")).count(), 1);
     for (code, value) in &values {
         assert!(value.bytes().all(|b| (b' '..=b'~').contains(&b)), "{code} {value}");
-        // The program's own signs of plus or minus and of degrees are codes.
+        // Only the codes for the signs of plus or minus and of degrees are allowed.
         let others = value.replace("%%p", "").replace("%%d", "");
         assert!(!others.contains("%%") && !others.contains("^J"), "{code} {value}");
     }
@@ -559,7 +560,8 @@ fn frames_for_controllers_are_those_of_the_layout() {
             assert!(line.contains(&value), "{key} {value} is not in {line}");
         }
     }
-    // The base of a robot on a pedestal is not the world, and the spot is the TCP in its work object.
+    // The base frame of a robot on a pedestal is not the world frame. The spot is the pose of the TCP in its
+    // work object.
     shop.done(&["export", "cells/ur_cell.toml", "--to", "urscript"]);
     let map = shop.json(&["map", "cells/ur_cell.toml"]);
     let script = shop.text("ur_cell.script");
@@ -580,7 +582,7 @@ fn frames_for_controllers_are_those_of_the_layout() {
     ];
     let expected: Vec<f64> = numbers_of(&operation["best"]["position_mm"]).iter().map(|v| v / 1e3).collect();
     assert!(near(&world, &expected, 1e-6), "{world:?} {expected:?}");
-    // The tool points down: the z axis of the TCP is turned by half a turn.
+    // The tool points down, so the frame of the TCP is rotated by half a turn.
     let turn = spot[3..].iter().map(|v| v * v).sum::<f64>().sqrt();
     assert!((turn - std::f64::consts::PI).abs() < 1e-6, "{turn}");
 }

@@ -1,8 +1,8 @@
-//! Tests `figures`.
+//! Tests the command `figures`.
 
 use crate::cli::sandbox::*;
 
-/// The figures of the paper's cell state what the paper and `results/discrepancy` state.
+/// The figures of the paper's cell state the same values as the paper and `results/discrepancy`.
 #[test]
 fn one_command_draws_the_figures_of_the_paper() {
     let shop = Sandbox::new();
@@ -29,7 +29,7 @@ fn one_command_draws_the_figures_of_the_paper() {
     }
     names.iter().for_each(|name| assert!(text.contains(&format!("({name}.png)")), "{name}"));
     assert!(folder.join("08-discrepancy.svg").is_file() && folder.join("manifest.json").is_file());
-    // A cell of one operation has no figure of all operations.
+    // A cell with one operation has no figure of all operations.
     assert!(!folder.join("07-all.png").exists());
     // Existing files are not overwritten.
     assert_eq!(shop.run(&["figures", PAPER, "--out", "pictures"]).code, Some(2));

@@ -1,11 +1,12 @@
-//! Tests that no kind of file is read as another: each is recognised by its content, and the next step is said.
+//! Tests that no kind of file is read as another kind. Each kind is recognised by its content, and the
+//! message states the next step.
 
 use crate::cli::sandbox::*;
 
 const TRIANGLE: &str =
     "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
 
-/// Name, content, what it is, and a part of the next step.
+/// Returns foreign files: name, content, expected description, and a part of the expected next step.
 fn files() -> Vec<(&'static str, Vec<u8>, &'static str, &'static str)> {
     let mut binary_stl = vec![b'x'; 84 + 50];
     binary_stl[80..84].copy_from_slice(&1u32.to_le_bytes());
@@ -104,7 +105,7 @@ fn a_file_that_a_cell_names_is_recognised_where_it_is_named() {
     let ran = shop.run(&["map", "cells/cell.toml"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert!(ran.err.contains("cells/cell.toml:3:8: error: `part.toml` is an STL mesh"), "{}", ran.err);
-    // A mesh whose name has the wrong ending.
+    // The name of this mesh file has the wrong extension.
     shop.write("cells/part.obj", &format!("solid x\n{TRIANGLE}endsolid x\n"));
     let mesh = "mesh = { file = \"part.obj\", units = \"m\", centre_mm = [0, 0, 0] }";
     let obstacle = format!(
@@ -136,7 +137,7 @@ fn tables_of_data_are_no_other_file() {
     assert!(ran.code == Some(2) && ran.err.contains("not a table of data"), "{}", ran.err);
 }
 
-/// Broken TOML stays TOML: its faults have their places.
+/// Broken TOML is still treated as TOML: the message states the place of the fault.
 #[test]
 fn broken_toml_is_no_foreign_file() {
     let shop = Sandbox::new();

@@ -24,7 +24,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
         )
     );
     assert_eq!(shop.text("found/front.svg").matches("<circle").count(), front.len());
-    // No layout is as good as another in every goal.
+    // No layout is at least as good as another layout in every goal.
     let losses = |l: &Value| {
         let goal = |key: &str| number(&l["goals"][key]);
         [goal("error"), -goal("clearance_mm"), goal("footprint_m2")]
@@ -35,7 +35,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
             assert!(a.iter().zip(b).any(|(a, b)| *a < b), "{a:?} {b:?}");
         }
     }
-    // Each layout is a cell of that objective.
+    // The cell file of each layout gives the objective of this layout.
     for layout in [&front[0], &front[front.len() - 1]] {
         let file = format!("found/{}", text(&layout["file"]));
         let compared = shop.json(&["compare", &file]);
@@ -57,13 +57,13 @@ fn the_requested_number_of_layouts_is_kept() {
     let kept = items(&document["front"]);
     let objectives: Vec<f64> = kept.iter().map(|l| number(&l["objective_value"])).collect();
     assert_eq!(objectives.len(), 3);
-    // The best layout comes first: it has the most room among those with nearly the least objective.
+    // The best layout comes first. Among the layouts with nearly the least objective, it has the most room.
     assert_eq!(objectives[0], number(&document["objective_value"]));
     assert!(objectives[0] <= 1.01 * number(&document["least_value"]), "{objectives:?}");
     assert!(objectives[1..].windows(2).all(|w| w[0] <= w[1]), "{objectives:?}");
     assert_eq!(shop.read("found/best.toml").len() > 100, shop.path("found/layout-03.toml").exists());
     assert!(!shop.path("found/layout-04.toml").exists() && !shop.path("found/front.svg").exists());
-    // A front can be kept, too, and the cell file can request it.
+    // The options can be combined, and the cell file can request both.
     let cell = shop
         .text(CELL)
         .replace("[search]\n", "[search]\npareto = [\"error\", \"travel\", \"footprint\"]\nkeep = 4\n");
@@ -71,7 +71,7 @@ fn the_requested_number_of_layouts_is_kept() {
     let document = shop.json(&["search", "cells/front.toml", "--budget", "1500", "--out", "few"]);
     assert_eq!((items(&document["front"]).len(), &document["keep"]), (4, &Value::from(4)));
     assert!(shop.path("few/front.svg").exists());
-    // Without either option the document has none of it.
+    // Without these options, the document has none of these fields.
     let document = shop.json(&["search", CELL, "--budget", "300", "--out", "none"]);
     assert_eq!(
         (&document["front"], &document["pareto"], &document["keep"]),
@@ -99,7 +99,7 @@ fn invalid_pareto_goals_are_refused() {
     assert!(!shop.path("results").exists(), "a refused search left a folder");
 }
 
-/// Error and cost of tolerances together: the front states both, and `allocate` agrees on the cost.
+/// With the goals error and cost, the front states both values, and `allocate` finds the same cost.
 #[test]
 fn a_front_of_error_and_cost_states_what_allocate_finds() {
     let shop = Sandbox::new();
@@ -112,7 +112,7 @@ fn a_front_of_error_and_cost_states_what_allocate_finds() {
     let found = shop.json(&["allocate", &format!("found/{}", text(&layout["file"]))]);
     let (want, cost) = (number(&found["cost"]), number(&layout["goals"]["cost"]));
     assert!((cost / want - 1.0).abs() < 1e-5, "{cost} instead of {want}");
-    // Without limits there is nothing to buy.
+    // Without limits, the cost of tolerances is not defined.
     let refused = shop.run(&["search", CELL, "--pareto", "error,cost"]);
     assert_eq!(refused.code, Some(2));
     assert!(refused.err.contains("no limit that the tolerances must keep"), "{}", refused.err);
@@ -121,7 +121,8 @@ fn a_front_of_error_and_cost_states_what_allocate_finds() {
 const PRICED: &str = "reading = \"worst-case\"\n";
 const LIMITS: &str = "[operation.assembly]\nlimit_mm = 12\n[operation.picking]\nlimit_mm = 12\n";
 
-/// A search by cost states the cost, its unit, and that a limit beyond the tightest tolerances is missed.
+/// A search for the least cost states the cost and its unit. It also states that even the tightest tolerances
+/// exceed a limit.
 #[test]
 fn a_search_by_cost_states_the_cost_of_the_tolerances() {
     let shop = Sandbox::new();
@@ -133,7 +134,7 @@ fn a_search_by_cost_states_the_cost_of_the_tolerances() {
     assert_eq!((&document["unit"], &document["quantity"]), (&"cost".into(), &"tolerance cost".into()));
     let cost = number(&document["objective_value"]);
     let found = shop.json(&["allocate", "found"]);
-    // The search takes the linear model; `allocate` judges by that of the cell.
+    // The search uses the linear model, but `allocate` uses the model of the cell.
     let judged = number(&found["cost"]);
     assert!(cost < 11.0 && (judged / cost - 1.0).abs() < 0.05, "{cost} and {judged}");
     let map = shop.json(&["map", "found/best.toml"]);

@@ -1,4 +1,4 @@
-//! Tests `init`: every generated cell runs as written.
+//! Tests `init`: every generated cell runs without changes.
 
 use crate::cli::sandbox::*;
 use crate::common::document;
@@ -62,7 +62,8 @@ fn every_library_robot_has_a_generated_cell() {
     assert_eq!(robots, files.collect::<Vec<_>>());
 }
 
-/// Checks that a map reaches most of both surfaces and that both operations have a spot.
+/// Checks that at least a third of the nodes of both surfaces are usable, and that both operations have a
+/// spot.
 fn maps_well(map: &Value, name: &str) {
     for operation in items(&map["operations"]) {
         let nodes = items(&operation["nodes"]);
@@ -83,7 +84,7 @@ fn every_generated_cell_passes_check_and_map() {
         // A URDF reports its unused elements.
         assert!(items(&check["faults"]).is_empty() || robot.ends_with("urdf"), "{check}");
         let drawn = shop.text(&cell);
-        // Each node of these takes long without optimization.
+        // In an unoptimized build, each node of these robots takes long.
         if ["crx10ia", "kinova_gen3", "kuka_iiwa14", "panda", "track", "ufactory_xarm6"]
             .contains(&name.as_str())
         {
@@ -98,7 +99,7 @@ fn every_generated_cell_passes_check_and_map() {
         let told: Vec<_> =
             jsonschema::draft7::new(&schema).unwrap().iter_errors(&cell).map(|e| e.to_string()).collect();
         assert!(told.is_empty(), "{name}: {told:?}");
-        // The named files equal those beside the shipped cells.
+        // The named files equal the files of the shipped cells.
         for file in shop.files(&name).iter().filter(|file| *file != "cell.toml") {
             assert_eq!(shop.read(&format!("{name}/{file}")), shop.read(&format!("cells/{file}")), "{file}");
         }
@@ -130,7 +131,7 @@ fn init_accepts_a_library_robot_and_another_folder() {
     assert_eq!(next(&ran).join(" "), "map 'my shop/cell 1/cell.toml' --svg map.svg");
     shop.done(&["init", "scara"]);
     assert_eq!(shop.read("my shop/cell 1/cell.toml"), shop.read("scara/cell.toml"));
-    // The files that the robot's file refers to come with it.
+    // The files to which the robot file refers are also written.
     shop.done(&["init", "hitachi-parallelogram", "--out", "p"]);
     shop.has("p/robots", &["hitachi_pw10.toml", "hitachi_pw10_parallelogram.toml"]);
     shop.done(&["init", "hitachi-urdf", "--out", "u"]);

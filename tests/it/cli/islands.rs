@@ -1,5 +1,5 @@
-//! Tests `search --islands`: one island is a plain search, several are merged by rule, and the bytes depend neither
-//! on the workers nor on the order in which they finish.
+//! Tests `search --islands`: one island is a plain search, and several islands are merged by a fixed rule.
+//! The bytes depend neither on the workers nor on the order in which they finish.
 
 use crate::cli::sandbox::*;
 use crate::cli::worker::*;
@@ -20,7 +20,7 @@ pub fn result(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
     files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-/// Insists that two folders hold the same files with the same bytes.
+/// Asserts that two folders contain the same files with the same bytes.
 pub fn assert_same(shop: &Sandbox, a: &str, b: &str) {
     let (a, b) = (result(shop, a), result(shop, b));
     assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
@@ -56,7 +56,7 @@ fn one_island_has_the_shortlist_and_the_front_of_a_plain_search() {
     assert_one_island_is_plain(&["--pareto", "error,clearance"], &["best.toml", "front.csv", "front.svg"]);
 }
 
-/// The result is that of the best seed, with the evaluations of all; other commands read it.
+/// The result is the result of the best seed, with the evaluations of all seeds. Other commands can read it.
 #[test]
 fn the_best_of_several_seeds_is_the_result() {
     let shop = Sandbox::new();
@@ -78,7 +78,7 @@ fn the_best_of_several_seeds_is_the_result() {
             assert_eq!(island[key], plain[k][key], "{key} of island {k}");
         }
     }
-    // The trace is that of the searches one after the other.
+    // The trace joins the traces of the searches, one after the other.
     let trace = items(&found["trace"]);
     assert!(trace.windows(2).all(|w| number(&w[0][1]) > number(&w[1][1])), "{trace:?}");
     assert!(trace.windows(2).all(|w| number(&w[0][0]) < number(&w[1][0])), "{trace:?}");
@@ -103,7 +103,8 @@ fn the_best_of_several_seeds_is_the_result() {
     assert_eq!(before, result(&shop, "found"));
 }
 
-/// No member of any island's front dominates a member of the merged front, whose members are members of those fronts.
+/// Every member of the merged front belongs to the front of an island, and no member of an island's front
+/// dominates it.
 #[test]
 fn the_merged_front_is_that_of_all_fronts() {
     let shop = Sandbox::new();
@@ -144,7 +145,7 @@ fn the_merged_front_is_that_of_all_fronts() {
     assert_eq!(items(&kept["front"]).len(), 4);
 }
 
-/// Waits until this many islands are searched.
+/// Waits until the given number of islands is finished.
 fn wait_for(shop: &Sandbox, folder: &str, islands: usize) {
     let done = || (0..99).filter(|k| shop.path(&format!("{folder}/islands/{k:04}.json")).exists()).count();
     wait_until("islands", || done() >= islands);
@@ -156,7 +157,7 @@ fn islands_in_any_order_give_the_same_bytes() {
     shop.done(&search(&["--islands", "5", "--threads", "1", "--out", "straight"]));
     shop.done(&search(&["--islands", "5", "--threads", "4", "--out", "parallel"]));
     assert_same(&shop, "straight", "parallel");
-    // The last island comes first, each by a worker that has nothing but the folder.
+    // The islands are processed in reverse order, each by a worker that has only the folder.
     for file in shop.files("straight/islands") {
         if file == "plan.json" || file.starts_with("inputs/") {
             let to = shop.path(&format!("backwards/islands/{file}"));
@@ -173,7 +174,7 @@ fn islands_in_any_order_give_the_same_bytes() {
     assert_same(&shop, "straight", "backwards");
 }
 
-/// kill -9 hits one of three workers six times, and a new worker takes its place.
+/// The test kills one of three workers with SIGKILL six times, and starts a new worker each time.
 #[test]
 fn killed_workers_end_in_the_bytes_of_a_straight_run() {
     const KILLS: usize = 6;
@@ -206,7 +207,7 @@ fn killed_workers_end_in_the_bytes_of_a_straight_run() {
 fn islands_on_a_full_disk_or_a_read_only_share_exit_3() {
     let shop = Sandbox::new();
     let islands = ["search", CELL, "--budget", "60", "--islands", "3"];
-    // The plan, and no island.
+    // This command writes the plan but no island.
     shop.done(&[&islands[..], &["--on", "slurm", "--chunk", "1", "--dry-run", "--out", "spread"]].concat());
     assert_no_room_exits_3(&shop, "spread", "islands/claims", &["search", "--claim", "spread"]);
     shop.done(&["search", "--claim", "spread"]);
@@ -274,7 +275,7 @@ fn what_does_not_fit_islands_is_refused_with_words() {
     }
     assert!(!shop.path("new").exists());
     assert_eq!(before, result(&shop, "found"));
-    // The inputs are those of the plan, whatever becomes of the cell file.
+    // The inputs of the plan are used, even if the cell file changes.
     let inputs = shop.text("found/islands/inputs/hitachi_cell.toml");
     shop.write(
         "found/islands/inputs/hitachi_cell.toml",

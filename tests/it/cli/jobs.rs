@@ -1,11 +1,12 @@
-//! Tests a search as a job: killed, interrupted, out of time or disk, and resumed.
+//! Tests a search as a job: it is killed or interrupted, or it runs out of time or disk space, and is then
+//! resumed.
 
 use crate::cli::sandbox::*;
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Budget of a search that takes some seconds, so that kills hit every part of it.
+/// Budget of a search that takes some seconds, so that the kills happen in every part of the search.
 const BUDGET: &str = "12000";
 
 /// Returns every file of a folder with its bytes.
@@ -22,8 +23,8 @@ fn assert_same(shop: &Sandbox, whole: &Sandbox) {
     }
 }
 
-/// kill -9 hits a real process at random moments. Resumed until it ends, it gives the same bytes.
-/// SWEETSPOT_KILLS sets the number of kills.
+/// The test kills a process with SIGKILL at random moments and resumes the search until it ends. The result
+/// has the same bytes. SWEETSPOT_KILLS sets the number of kills.
 #[test]
 fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
@@ -33,7 +34,8 @@ fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
     let clock = std::time::Instant::now();
     whole.done(&args);
     let length = clock.elapsed();
-    // A generator of its own (Knuth's MMIX) makes every machine kill at the same shares.
+    // With a separate generator (Knuth's MMIX), the kills happen at the same shares of the search on every
+    // machine.
     let mut seed = 20_261_121u64;
     let mut killed = 0;
     while killed < kills {
@@ -74,7 +76,7 @@ fn stopped() -> Sandbox {
     assert_eq!((&ran.document()["ended"], &ran.document()["seed"]), (&"time-limit".into(), &2.into()));
     assert!(ran.err.contains("next: sweetspot search --resume found"), "{}", ran.err);
     shop.has("found", &["checkpoint.jsonl", "best.toml", "search.json"]);
-    // The layouts found so far are usable, but the folder is incomplete.
+    // The best layout so far is usable, but the folder is incomplete.
     assert!(!shop.files("found").contains(&"manifest.json".to_string()));
     shop.done(&["map", "found/best.toml"]);
     shop
@@ -163,7 +165,7 @@ fn a_damaged_checkpoint_is_refused() {
     let version = format!("\"version\":\"{}\"", env!("CARGO_PKG_VERSION"));
     refused(other.replacen(&version, "\"version\":\"0.0.9\"", 1).as_bytes(), "0.0.9");
     refused(other.replacen("checkpoint/1", "checkpoint/9", 1).as_bytes(), "checkpoint/9");
-    // The hash is right, but the content is not.
+    // The hash is right, but the content is wrong.
     let sealed = |content: &str| {
         let hash = sha256(content.as_bytes());
         format!("{{\"schema\":\"sweetspot/checkpoint/1\",{version},\"sha256\":\"{hash}\"}}\n{content}")
@@ -176,7 +178,7 @@ fn a_damaged_checkpoint_is_refused() {
     assert_eq!(shop.run(&["search", "--resume", "found", "--time", "0.1"]).code, Some(4));
 }
 
-/// The first signal, SIGTERM as well, stops the search with a checkpoint.
+/// The first SIGINT or SIGTERM stops the search with a checkpoint.
 #[cfg(unix)]
 #[test]
 fn a_signal_exits_130_and_leaves_a_checkpoint() {
@@ -196,7 +198,7 @@ fn a_signal_exits_130_and_leaves_a_checkpoint() {
         assert_eq!(ran.code, Some(130), "{signal}: {}", ran.err);
         assert_eq!(shop.document("found/search.json")["ended"], "interrupted");
         let used = shop.document("found/search.json")["evaluations"].as_u64().unwrap();
-        // The search keeps a part of the budget for the polish.
+        // The search reserves a part of the budget for the final local search.
         let budget = (used + used / 4).to_string();
         shop.done(&["search", "--resume", "found", "--budget", &budget]);
         let whole = Sandbox::new();
@@ -205,8 +207,8 @@ fn a_signal_exits_130_and_leaves_a_checkpoint() {
     }
 }
 
-/// Without room for a larger checkpoint the search exits 3 and keeps the one before. With room again it
-/// continues.
+/// If the disk has no space for a larger checkpoint, the search exits with 3 and keeps the previous
+/// checkpoint. With more space, the search continues.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_exits_3_and_keeps_the_last_checkpoint() {
@@ -247,7 +249,7 @@ fn progress_is_written_as_json_lines_without_a_terminal() {
     assert!((number(&last["feasible_share"]) - share).abs() < 1e-12, "{last}");
     assert!((number(&last["best"]) - number(&found["least_value"])).abs() < 1e-6, "{last}");
     assert_eq!(text(&last["unit"]), "mm");
-    // The file rounds a bound down.
+    // The file contains the bound rounded down.
     let rounded = number(&last["bound"]) - number(&found["bound"]);
     assert!((0.0..1e-8).contains(&rounded), "{last}");
     let gap = number(&last["best"]) / number(&last["bound"]) - 1.0;
@@ -262,7 +264,7 @@ fn the_stopping_rule_that_ended_a_search_is_reported() {
     let found = shop.json(&["search", CELL, "--budget", "50000", "--stagnation", "600", "--out", "a"]);
     assert_eq!(found["ended"], "stagnation");
     assert!(found["evaluations"].as_u64().unwrap() < 20_000, "{}", found["evaluations"]);
-    // The cell file may set the rule, too.
+    // The cell file may also set the stopping rule.
     let cell = shop.text(CELL).replace("seed = 1", "seed = 1\nstagnation = 600");
     shop.write("cells/still.toml", &cell);
     let same = shop.json(&["search", "cells/still.toml", "--budget", "50000", "--out", "b"]);

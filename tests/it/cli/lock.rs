@@ -1,4 +1,5 @@
-//! Tests that two programs never write to one result folder, and that the death of an owner frees it.
+//! Tests that two programs never write to one result folder at the same time, and that the folder is free
+//! again when its owner dies.
 
 use crate::cli::sandbox::*;
 use std::process::{Child, Stdio};
@@ -6,7 +7,7 @@ use std::time::{Duration, Instant};
 
 const LOCK: &str = ".sweetspot-lock";
 
-/// Search that would take minutes, with its process. It is killed when the value is dropped.
+/// Process of a search that would take minutes. The process is killed when the value is dropped.
 struct RunningSearch(Child);
 
 impl RunningSearch {
@@ -24,7 +25,7 @@ impl RunningSearch {
         running
     }
 
-    /// Ends the process as a crash does.
+    /// Kills the process, which has the effect of a crash.
     fn kill(&mut self) {
         self.0.kill().unwrap();
         self.0.wait().unwrap();
@@ -76,7 +77,7 @@ fn of_searches_started_together_one_gets_the_folder() {
         let ended = children.map(|child| ran(child.wait_with_output().unwrap()));
         let done = ended.iter().filter(|ran| ran.code == Some(0)).count();
         assert_eq!(done, 1, "{}", ended.map(|ran| ran.err).concat());
-        // A late one finds a finished search; the others find it in use.
+        // A late process finds a finished search. The other processes find the folder in use.
         let refused = ended.iter().filter(|ran| ran.code != Some(0));
         refused.for_each(|ran| assert!(ran.code == Some(3) || ran.code == Some(2), "{}", ran.err));
         shop.done(&["report", &folder, "--json"]);

@@ -9,7 +9,8 @@ fn series(name: &str) -> String {
     root().join(format!("tests/data/ipa_ur10/{name}.csv.gz")).to_string_lossy().into_owned()
 }
 
-/// Returns a sandbox with a cell of the UR10, whose errors are those of 100 positions of series B.
+/// Returns a sandbox with a cell of the UR10 whose errors come from a calibration with 100 positions of
+/// series B.
 fn shop() -> Sandbox {
     let shop = Sandbox::new();
     let robot = shop.done(&["robot", "ur10", "--toml"]).out;
@@ -19,7 +20,7 @@ fn shop() -> Sandbox {
     shop
 }
 
-/// Returns a cell round a UR10 with measured errors, whose table may move along x.
+/// Returns a cell of a UR10 with measured errors, whose table the search may move along x.
 fn cell_with(robot: &str) -> String {
     let cell = cell_of_robot("ur10")
         .replace("robots/ur10.toml", robot)
@@ -31,7 +32,7 @@ fn cell_with(robot: &str) -> String {
     cell.replace("x_mm = 600", wide) + "\n[search]\nideal = true\n"
 }
 
-/// Measured errors with two uncertain parameters.
+/// Error set with measured errors of two uncertain parameters.
 const SMALL: &str = r#"
 [errors.measured]
 kind = "measured"
@@ -49,7 +50,7 @@ fn valid(kind: DocumentKind, document: &serde_json::Value) {
     assert!(told.is_empty(), "{told:#?}");
 }
 
-/// Series D was measured in another month than the positions of the calibration.
+/// Series D was not measured in the same month as the positions of the calibration.
 #[test]
 fn a_map_tells_how_well_it_predicts_measured_positions() {
     let shop = shop();
@@ -60,7 +61,7 @@ fn a_map_tells_how_well_it_predicts_measured_positions() {
     assert_eq!(serde_json::to_value(&read).unwrap(), map);
     let file = &items(&map["measured"])[0];
     assert_eq!((text(&file["file"]), items(&file["positions"]).len()), ("D.csv.gz", 632));
-    // The mean of the nominal arm is that of `calibrate --test`.
+    // The mean error of the nominal arm equals the result of `calibrate --test`.
     assert!((number(&file["measured"]["mean_mm"]) - 0.721).abs() < 1e-3, "{}", file["measured"]);
     assert!(number(&file["residual"]["mean_mm"]) < 0.7 * number(&file["measured"]["mean_mm"]));
     let (constant, varying) = (number(&file["coverage_95"]), number(&file["coverage_95_varying"]));
@@ -79,11 +80,11 @@ fn a_map_tells_how_well_it_predicts_measured_positions() {
     let words = shop.done(&["map", "cell.toml", "--measured", &d, "--measured", &d]);
     assert_eq!(words.out.matches("Rank correlation (Spearman)").count(), 2, "{}", words.out);
     assert!(words.err.contains("next: sweetspot report cell.toml --measured"), "{}", words.err);
-    // A map without measured positions is as before.
+    // Without measured positions, the map has no such field.
     assert!(shop.json(&["map", "cell.toml"]).get("measured").is_none());
 }
 
-/// A cell with the pasted table predicts what the calibration itself predicts, its periodic errors included.
+/// A cell with the pasted table gives the same prediction as the calibration, including periodic errors.
 #[test]
 fn a_map_predicts_with_the_periodic_errors_of_a_calibration() {
     let shop = Sandbox::new();
@@ -108,7 +109,8 @@ fn a_map_predicts_with_the_periodic_errors_of_a_calibration() {
     assert!((coverage - number(&tested["coverage_95"])).abs() < 0.08, "{coverage}, {tested}");
 }
 
-/// The measured range of joint 2 leaves out every posture of the cell, that of the other joints none.
+/// The measured range of joint 2 excludes every posture of the cell. The ranges of the other joints exclude
+/// none.
 #[test]
 fn a_map_and_a_search_say_which_errors_are_extrapolated() {
     let shop = shop();
@@ -161,7 +163,7 @@ fn signed_errors_have_no_coverage_and_tolerances_have_no_direction() {
     );
 }
 
-/// The table visits 40 postures three times, 10 um apart.
+/// The table contains 40 postures with three visits each, whose positions are 10 um apart.
 #[test]
 fn repeats_give_accuracy_and_repeatability() {
     let shop = Sandbox::new();
@@ -186,11 +188,11 @@ fn repeats_give_accuracy_and_repeatability() {
     let map = shop.json(&["map", "cells/own.toml", "--measured", "<b>.csv"]);
     let repeats = &map["measured"][0]["repeats"];
     assert_eq!((number(&repeats["least_visits"]), items(&repeats["postures"]).len()), (3.0, 40));
-    // The distances are 10, 0 and 10 um: 2/3 + 3 / sqrt(3) times 10 um.
+    // The distances from the barycentre are 10, 0 and 10 um, so RP is (2/3 + 3 / sqrt(3)) times 10 um.
     let wanted = 0.01 * (2.0 / 3.0 + 3.0 / 3f64.sqrt());
     assert!((number(&repeats["largest_rp_mm"]) - wanted).abs() < 1e-8, "{repeats}");
     assert!(number(&repeats["largest_ap_mm"]) < 1e-3, "{repeats}");
-    // A page shows the section, and the name of the file as text.
+    // The page has a section about the measurement, with the file name as text.
     let page = shop.run(&["report", "cells/own.toml", "--measured", "<b>.csv", "-o", "page.html"]);
     page.no_panic();
     let html = shop.text("page.html");
@@ -245,7 +247,7 @@ fn a_comparison_says_whether_to_calibrate_to_move_or_both() {
     assert_eq!(names, ["as-drawn", "calibrated", "moved", "both"]);
     let values: Vec<_> = columns.iter().map(|c| number(&c["objective"])).collect();
     assert!(values[1] < values[0] && values[2] <= values[0] && values[3] <= values[1], "{values:?}");
-    // The first column is the map of the cell.
+    // The first remedy is the unchanged cell, whose objective equals the objective of the map.
     let map = shop.json(&["map", "cell.toml", "--quantity", "rms"]);
     assert_eq!(map["objective"], document["remedies"][0]["objective"]);
     assert_eq!(shop.json(&args), document);
@@ -255,7 +257,7 @@ fn a_comparison_says_whether_to_calibrate_to_move_or_both() {
         "{}",
         words.out
     );
-    // No remedy keeps a limit of 1 um, and every layout keeps one of 1 m.
+    // No remedy keeps a limit of 1 um. Every layout keeps a limit of 1 m.
     let never = shop.run(&[&args[..], &["--limit", "0.001"]].concat());
     assert!(
         never.code == Some(1) && never.out.contains("No remedy keeps every limit"),

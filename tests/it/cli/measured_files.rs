@@ -1,4 +1,5 @@
-//! Tests the shapes of files that `calibrate` reads: each holds the same simulated measurements of a UR10.
+//! Tests the file formats that `calibrate` reads. Each file contains the same simulated measurements of a
+//! UR10.
 
 use crate::cli::sandbox::{Sandbox, items, number};
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -14,17 +15,17 @@ const ROWS_OF_UR10: [(f64, f64, f64); 6] = [
     (0.0922, 0.0, 0.0),
 ];
 
-/// Places of three reflectors in the frame of the flange, m.
+/// Positions of three reflectors in the frame of the flange, m.
 const REFLECTORS: [[f64; 3]; 3] = [[0.03, 0.02, 0.11], [-0.09, 0.01, 0.06], [0.02, 0.1, 0.04]];
 
-/// Posture in rad, and the pose of the flange in the frame of the tracker, m.
+/// Posture (rad) with the pose of the flange in the frame of the tracker (m).
 struct Shot {
     q: [f64; 6],
     flange: Isometry3<f64>,
 }
 
 impl Shot {
-    /// Returns the place of a reflector, mm.
+    /// Returns the position of a reflector in the frame of the tracker, mm.
     fn seen(&self, reflector: usize) -> Vector3<f64> {
         let [x, y, z] = REFLECTORS[reflector];
         (self.flange * nalgebra::Point3::new(x, y, z)).coords * 1e3
@@ -35,7 +36,7 @@ impl Shot {
     }
 }
 
-/// Returns the pose of the flange in the base frame: the product of the rows.
+/// Returns the pose of the flange in the base frame, as the product of the rows.
 fn flange(q: &[f64; 6]) -> Isometry3<f64> {
     q.iter().zip(ROWS_OF_UR10).fold(Isometry3::identity(), |t, (q, (r, l, alpha))| {
         t * Isometry3::rotation(Vector3::z() * *q)
@@ -56,7 +57,7 @@ fn shots(count: usize) -> Vec<Shot> {
     (0..count).map(shot).collect()
 }
 
-/// Returns a table: a header, and a line of the numbers that `row` gives for each posture.
+/// Returns a table with a header and, for each posture, a line of the numbers that `row` returns.
 fn table(header: &str, separator: &str, row: impl Fn(&Shot) -> Vec<f64>) -> String {
     let mut text = format!("{header}\n");
     for shot in shots(60) {
@@ -72,7 +73,7 @@ fn joints_and_position(shot: &Shot) -> Vec<f64> {
 
 /// Calibrates with a file and checks that the nominal arm explains every position to a micrometre.
 ///
-/// Returns what was said.
+/// Returns the text that the command prints on stderr.
 fn explained(shop: &Sandbox, name: &str, bytes: &[u8], options: &[&str], poses: usize) -> String {
     shop.write_bytes(name, bytes);
     let ran = shop.run(&[&["calibrate", "ur10", name, "--json"][..], options].concat());
@@ -131,7 +132,7 @@ fn separators_and_decimal_signs_are_found() {
     explained(&shop, "le.csv", &wide(u16::to_le_bytes, &marked), &[], 60);
     explained(&shop, "be.csv", &wide(u16::to_be_bytes, &marked), &[], 60);
     explained(&shop, "unmarked.csv", &wide(u16::to_le_bytes, &plain), &[], 60);
-    // 0xb0 is the degree sign of Windows-1252.
+    // The byte 0xb0 is the degree sign in Windows-1252.
     let old: Vec<u8> =
         plain.replacen("q1", "q1 [#]", 1).bytes().map(|b| if b == b'#' { 0xb0 } else { b }).collect();
     explained(&shop, "old.csv", &old, &[], 60);
@@ -191,7 +192,7 @@ fn names_of_many_programs_are_understood() {
             60,
         );
     }
-    // Commanded values, velocities and deviations are no measured positions.
+    // Commanded values, velocities and deviations are not measured positions.
     let header = "goal_x,goal_y,goal_z,target_q1,q1,q2,q3,q4,q5,q6,vel_x,vel_y,vel_z,std_x,std_y,std_z,measured_x,measured_y,measured_z";
     let text = table(header, ",", |shot| {
         let q = shot.degrees();
@@ -227,7 +228,8 @@ fn reflectors_of_one_row_are_read_and_may_be_missing() {
         let text = table(header, ",", all);
         let said = explained(&shop, &format!("wide{k}.csv"), text.as_bytes(), &[], 180);
         assert!(said.contains("reflectors"), "{said}");
-        // The line of sight to the second reflector was broken in row 1, and to all in row 2.
+        // In row 1, the line of sight to the second reflector is broken. In row 2, all lines of sight are
+        // broken.
         let broken = text.lines().enumerate().map(|(k, line)| {
             let mut fields: Vec<_> = line.split(',').collect();
             match k {
@@ -243,7 +245,7 @@ fn reflectors_of_one_row_are_read_and_may_be_missing() {
     }
 }
 
-/// Returns the three angles of a rotation matrix that is `Rx(a) Ry(b) Rz(c)`.
+/// Returns the angles a, b and c of a rotation matrix `Rx(a) Ry(b) Rz(c)`.
 fn intrinsic_xyz(r: &Rotation3<f64>) -> [f64; 3] {
     // The inverse is Rz(-c) Ry(-b) Rx(-a), whose angles nalgebra gives.
     let (a, b, c) = r.inverse().euler_angles();
@@ -317,7 +319,7 @@ fn the_convention_of_orientations_is_found() {
 fn joints_come_from_a_second_table() {
     let shop = Sandbox::new();
     let all = shots(60);
-    // An export of a tracker: a preamble, uncertainties, a quaternion, a temperature, no joints.
+    // An export of a tracker has a preamble, uncertainties, a quaternion and a temperature, but no joints.
     let mut points = String::from(
         "Leica AT960 export\nUnits: mm\n\nPoint\tX\tY\tZ\tU95 X\tU95 Y\tU95 Z\tQ0\tQ1\tQ2\tQ3\tTemperature\n",
     );
@@ -330,7 +332,7 @@ fn joints_come_from_a_second_table() {
         )
         .unwrap();
     }
-    // The postures stand in the reverse order.
+    // The postures are in reverse order.
     let mut joints = String::from("point,q1,q2,q3,q4,q5,q6\n");
     for (k, shot) in all.iter().enumerate().rev() {
         writeln!(joints, "P{k},{}", shot.degrees().map(|q| q.to_string()).join(",")).unwrap();
@@ -342,7 +344,7 @@ fn joints_come_from_a_second_table() {
     {
         assert!(said.contains(words), "{words}: {said}");
     }
-    // Without a shared column the order counts.
+    // Without a common column, rows are matched by their order.
     let unnamed: String = all.iter().map(|s| s.degrees().map(|q| q.to_string()).join(" ") + "\n").collect();
     shop.write("ordered.txt", &unnamed);
     let said = explained(&shop, "leica.txt", points.as_bytes(), &["--joints", "ordered.txt"], 60);
@@ -365,7 +367,8 @@ fn suspect_rows_are_left_out_with_words() {
         (fields(30)[..6].join(","), fields(40)[6..].join(","))
     };
     lines.push(lines[1].clone());
-    // Joints of row 30 with another position, and the position of row 40 at another posture.
+    // These rows repeat the joints of row 30 with another position, and the position of row 40 with another
+    // posture.
     lines.insert(31, format!("{joints},1000,2000,300"));
     lines.insert(42, format!("1,2,3,4,5,6,{position}"));
     let said = explained(&shop, "suspect.csv", (lines.join("\n") + "\n").as_bytes(), &[], 60);

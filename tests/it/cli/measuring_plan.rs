@@ -25,7 +25,7 @@ fn a_plan_is_a_document_that_depends_on_the_seed_alone() {
     assert_ne!(other["poses"], document["poses"]);
 }
 
-/// The positions of the nominal arm are filled in, so the calibration finds no error.
+/// The test fills in the positions of the nominal arm, so the calibration finds no error.
 #[test]
 fn a_filled_in_table_is_read_by_the_next_command() {
     let shop = Sandbox::new();

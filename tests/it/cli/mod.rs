@@ -1,6 +1,7 @@
-//! Tests the command as scripts and people use it: exit codes, streams, files, the JSON contract.
+//! Tests the command in the way that scripts and people use it: exit codes, streams, files, and the JSON
+//! contract.
 //!
-//! Every test runs the real binary in a folder of its own.
+//! Every test runs the real binary in a separate folder.
 
 mod allocate;
 mod cache;

@@ -1,8 +1,8 @@
-//! Tests the numbers of the command line: every numeric option refuses what a file refuses.
+//! Tests the numbers of the command line: every numeric option rejects the values that a file rejects.
 
 use super::sandbox::{CELL, PAPER, Sandbox};
 
-/// Placeholders of options whose values are numbers, each with the hostile values that are numbers in range.
+/// Placeholders of options whose values are numbers, each with the hostile values that are in range.
 const NUMERIC: [(&str, &[&str]); 18] = [
     ("MM", &[]),
     ("DEG", &["1e-320", "-0"]),
@@ -24,7 +24,7 @@ const NUMERIC: [(&str, &[&str]); 18] = [
     ("X,Y,Z", &[]),
 ];
 
-/// Placeholders of options whose values are no numbers.
+/// Placeholders of options whose values are not numbers.
 const OTHERS: [&str; 24] = [
     "CELL",
     "DIR",
@@ -109,8 +109,8 @@ fn every_numeric_option_refuses_hostile_numbers() {
                 let ran = shop.run(&[&arguments(&command)[..], &[&name, &typed]].concat());
                 let what = format!("{command} {name} {typed}: {:?}, {}", ran.code, ran.err);
                 ran.no_panic();
-                // A height may be anywhere, a limit and a step may not. `calibrate` has no table here, and
-                // `compare --time` needs `--calibrated`, which needs a measured arm.
+                // A height may have any value, but a limit and a step may not. Here `calibrate` has no table,
+                // and `compare --time` needs `--calibrated`, which needs a measured arm.
                 let lacks_data = command == "calibrate" || command == "compare" && name == "--time";
                 let is_in_range = in_range.contains(&value) && !lacks_data;
                 if is_in_range || name == "--height" && ["1e-320", "-0"].contains(&value) {
@@ -128,7 +128,7 @@ fn every_numeric_option_refuses_hostile_numbers() {
     assert!(tried >= 240, "{tried} values");
 }
 
-/// The command line and the file refuse a number in the same words.
+/// The command line and the file reject a number with the same message.
 #[test]
 fn an_option_has_the_range_of_its_key() {
     let shop = Sandbox::new();
@@ -152,7 +152,7 @@ fn an_option_has_the_range_of_its_key() {
             assert!(ran.err.contains(range), "{option:?} {value}: {}", ran.err);
         }
     }
-    // The tool may lean back as far as in a cell, and no farther.
+    // The range of the bend is the same as in a cell.
     let leaning = shop.json(&["envelope", "hitachi_pw10", "--bend", "135"]);
     assert_eq!(leaning["bend_deg"], 135.0);
     let beyond = shop.run(&["envelope", "hitachi_pw10", "--bend", "136"]);
@@ -178,7 +178,7 @@ fn a_cell_that_is_not_utf8_exits_2_at_its_first_wrong_byte() {
     assert_eq!((&json["faults"][0]["line"], &json["faults"][0]["column"]), (&2.into(), &12.into()));
     std::fs::write(shop.path("cells/robots/latin.toml"), b"\xff\xfe").unwrap();
     assert_eq!(shop.run(&["robot", "cells/robots/latin.toml"]).code, Some(2));
-    // A file that a cell names is reported where it is named.
+    // A fault of a file that a cell names is reported at the place where the cell names the file.
     shop.write("cells/names.toml", "from = \"latin.toml\"\n");
     let named = shop.run(&["check", "cells/names.toml"]);
     assert_eq!(named.code, Some(2));

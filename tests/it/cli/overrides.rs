@@ -73,7 +73,7 @@ fn every_solver_finds_a_layout() {
 
 // --- readings, limits and senses ----------------------------------------------------------------
 
-/// Cell with the same numbers as plus-or-minus values, and with a sense and a robot for the tests below.
+/// Cell with the same numbers as tolerances, and with a sense and a robot for the tests below.
 const TOLERANCE: &str = "from = \"hitachi_paper.toml\"\nerrors = \"table-3-tolerance\"\n\
                          reading = \"statistical\"\n[sense.shear]\nframe = \"surface\"\n\
                          direction = [1, 1, 0]\n";
@@ -96,7 +96,7 @@ fn statistical_figures_of_a_map_are_ordered() {
                     assert!(of("rms_mm", sense) >= of("mean_mm", sense), "{sense}: {node}");
                 }
                 if operation["reading"] == "signed" {
-                    // The sample is one corner of the tolerance box.
+                    // The signed sample is one corner of the tolerance box.
                     let e = numbers(&node["error_mm"]);
                     let size = e[0].hypot(e[1]).hypot(e[2]);
                     assert!(of("worst_mm", "xyz") >= size - 1e-8, "{node}");
@@ -132,7 +132,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
     }
     let map = shop.json(&["map", PAPER, "--errors", "table-3-tolerance"]);
     assert_eq!(map["operations"][0]["reading"], "worst-case");
-    // The magnitudes of table-3 give the same worst case.
+    // The magnitudes of table-3, used as tolerances, give the same worst case.
     let signed = shop.json(&["map", PAPER, "--reading", "worst-case"]);
     assert_eq!(map["objective_mm"], signed["objective_mm"]);
     let other = shop.done(&["map", PAPER, "--errors", "table-3-tolerance", "--reading", "statistical"]);
@@ -192,7 +192,7 @@ fn bad_limits_and_senses_exit_2() {
 fn best_toml_carries_how_the_errors_are_read() {
     let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);
-    // Samples are drawn at every node, so a coarse grid saves most of the time.
+    // Samples are drawn at every node, so a coarse grid saves much time.
     let coarse = "cells/coarse.toml";
     shop.write(coarse, "from = \"hitachi_paper.toml\"\n[operation.mapping]\ngrid = [4, 3]\n");
     let keys = ["reading", "quantity", "registration", "sense", "limit", "errors", "model"];
@@ -211,7 +211,7 @@ fn best_toml_carries_how_the_errors_are_read() {
         shop.done(&[&["search", cell, "--out", &folder][..], flags].concat());
         let best = shop.json(&["map", &format!("{folder}/best.toml")]);
         let drawn = shop.json(&[&["map", cell][..], flags].concat());
-        // The paper's table is fixed, so the best layout is the start layout.
+        // The table of the paper's cell is fixed, so the best layout is the start layout.
         assert_eq!(asked(&best), asked(&drawn), "{flags:?}");
         assert_eq!(best["objective"], drawn["objective"], "{flags:?}");
     }
@@ -262,7 +262,7 @@ fn check_states_which_postures_a_search_judges() {
     assert_eq!(order["judges"], "spin-families");
     let (_, order) = judged("cells/offset_wrist_cell.toml");
     assert_eq!(order["judges"], "spin-families");
-    // Offsets of 50 mm in shoulder and wrist of a seven-axis arm leave no closed form.
+    // A seven-axis arm with offsets of 50 mm in shoulder and wrist has no closed form.
     let kinova = shop.text("cells/robots/kinova_gen3.toml");
     let rows: Vec<&str> = kinova.split("l_mm = 0\n").collect();
     let general = format!(
@@ -315,13 +315,13 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
         let many = shop.run(&[command, CELL, "--set", "errors=table-2,table-3"]);
         assert!(many.err.contains("sweetspot sweep"), "{}", many.err);
     }
-    // A file that these write could not state the setting.
+    // The files that these commands write could not state the setting.
     for command in ["search", "view"] {
         let ran = shop.run(&[command, CELL, "--set", "clearance_mm=10"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}: {}", ran.err);
         assert!(ran.err.contains("help: ") && ran.err.contains("from = "), "{}", ran.err);
     }
-    // A setting, a flag and the file say the same thing alike.
+    // A setting, an option and a key of the file have the same effect.
     let set = shop.json(&["map", PAPER, "--set", "errors=table-2", "--set", "operation.mapping.sense=z"]);
     assert_eq!(set, shop.json(&["map", PAPER, "--errors", "table-2", "--sense", "z"]));
     shop.write(
@@ -336,7 +336,7 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
 #[test]
 fn errors_that_compensate_each_other_are_not_tolerances() {
     let shop = Sandbox::new();
-    // A nonlinear worst case of every node would take most of the time.
+    // The nonlinear worst case at every node would take most of the time.
     let coarse =
         "from = \"ur_cell.toml\"\n[operation.assembly]\ngrid = [2, 2]\n[operation.picking]\ngrid = [2, 1]\n";
     shop.write("cells/coarse.toml", coarse);

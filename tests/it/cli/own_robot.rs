@@ -1,10 +1,10 @@
-//! Tests the way from the URDF of a user to a first cell: `init` with a URDF, a xacro file or the folder of a
-//! package.
+//! Tests the steps from the URDF of a user to a first cell: `init` with a URDF, a xacro file or the folder of
+//! a package.
 
 use crate::cli::sandbox::*;
 use crate::common::root;
 
-/// Command of the only `next:` line.
+/// Returns the command of the only `next:` line.
 fn next(ran: &RunOutput) -> Vec<String> {
     let line = ran.err.lines().find_map(|line| line.strip_prefix("next: sweetspot ")).expect("no next");
     line.split(' ').map(str::to_string).collect()
@@ -19,7 +19,7 @@ fn arm() -> String {
     std::fs::read_to_string(root().join("tests/data/own_arm.urdf")).unwrap()
 }
 
-/// Returns a box, 300 mm along every edge, that stands on the origin, as STL in mm.
+/// Returns a cube with edges of 300 mm that stands on the origin, as STL in mm.
 fn stl() -> String {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1];
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -70,7 +70,7 @@ fn a_urdf_leads_to_the_first_error_map_and_a_search() {
     assert_eq!(next(&map).join(" "), format!("search {CELL_OF_ARM}"));
     let found = shop.json(&["search", CELL_OF_ARM, "--budget", "40", "--out", "found"]);
     assert_eq!(found["status"], "found", "{found}");
-    // The import has said all: the copy of the URDF has nothing to warn of.
+    // The import has reported all warnings, so the copy of the URDF gives no warning.
     let check = shop.json(&["check", CELL_OF_ARM]);
     assert_eq!(items(&check["faults"]).len(), 0, "{check}");
     assert_eq!(number(&check["urdf"]["rows"][1]["l_mm"]).abs(), 600.0);
@@ -114,7 +114,7 @@ fn warnings_of_an_import_come_once_and_grouped() {
     assert_eq!(ran.err.matches("continuous joint").count(), 1, "{}", ran.err);
     assert!(ran.err.contains("(and 1 more of this kind)"), "{}", ran.err);
     assert!(ran.err.contains("stand still and have no solids: left, right"), "{}", ran.err);
-    // A cell that names the URDF itself hears of it from `check` alone.
+    // If a cell names the original URDF, only `check` prints the warnings.
     std::fs::copy(shop.path(URDF), shop.path("ws/own_arm/urdf/arm-cell/robots/arm.urdf")).unwrap();
     let named = ["--package", "own_arm=ws/own_arm"];
     let check = shop.done(&[&["check", CELL_OF_ARM][..], &named].concat());
@@ -181,7 +181,7 @@ fn a_collada_mesh_is_left_out_with_the_command_that_converts_it() {
         |path: &str, inside: &str| std::path::Path::new(path) == shop.path(inside).canonicalize().unwrap();
     assert!(same(paths[0], "ws/own_arm/meshes/base.dae"), "{line}");
     assert!(shop.text("without/robots/arm.toml").contains("footprint = "), "the base has no solids");
-    // The result of that command is used instead.
+    // The result of the suggested command is used instead.
     std::fs::rename(shop.path("converted.stl"), paths[1]).unwrap();
     let ran = shop.done(&["init", URDF, "--out", "with"]);
     assert!(!ran.err.contains("left out"), "{}", ran.err);
@@ -204,7 +204,7 @@ fn a_mesh_that_cannot_be_read_is_left_out_with_its_reason() {
         );
         shop.done(&["map", "out/cell.toml"]);
     }
-    // A URDF does not take other files of the machine into the cell.
+    // A URDF cannot copy other files of the machine into the cell.
     let shop = with_package(&arm().replace("package://own_arm/meshes/base.stl", "file:///etc/hostname"));
     let ran = shop.done(&["init", URDF, "--out", "out"]);
     assert!(
@@ -225,7 +225,7 @@ fn a_robot_file_in_toml_gets_a_cell_too() {
         assert!(number(&shop.json(&["map", &format!("{robot}/cell.toml")])["objective_mm"]) > 0.0);
     }
     shop.has("hitachi_pw10_urdf/robots", &["hitachi_pw10.urdf", "hitachi_pw10_urdf.toml"]);
-    // An error set with signs is read as it is.
+    // A signed error set is read as a signed sample.
     let signed = shop.text("cells/robots/hitachi_pw10_urdf.toml");
     let signed = &signed[..signed.find("[errors.table-3-tolerance]").unwrap()];
     shop.write("cells/robots/signed.toml", signed);
@@ -254,7 +254,7 @@ fn a_folder_with_one_urdf_is_enough_and_several_are_listed() {
     let shop = with_package(&arm());
     let ran = shop.done(&["init", "ws/own_arm"]);
     assert!(ran.err.contains("ws/own_arm/urdf/arm.urdf is the only robot"), "{}", ran.err);
-    // The URDF inside the cell that was just written does not count.
+    // The URDF in the folder of the new cell is ignored.
     let again = shop.run(&["init", "ws/own_arm"]);
     assert!(again.err.contains("nothing is overwritten"), "{}", again.err);
     shop.write("ws/own_arm/urdf/long.urdf", &arm());
@@ -311,7 +311,8 @@ fn robot_check_envelope_and_errors_take_a_urdf() {
     }
 }
 
-/// Runs a command without the programs that expand xacro files, or with those in a folder.
+/// Runs a command with a search path for programs, which decides whether programs that expand xacro files are
+/// found.
 fn with_path(shop: &Sandbox, args: &[&str], path: &str) -> RunOutput {
     ran(shop.command(args).env("PATH", path).output().unwrap())
 }
@@ -352,7 +353,7 @@ fn init_calls_xacro_and_a_cell_file_does_not() {
     use std::os::unix::fs::PermissionsExt;
     let shop = with_xacro();
     std::fs::create_dir(shop.path("bin")).unwrap();
-    // Expands the one macro of this test, and leaves a trace.
+    // This script expands the only macro of the test and writes a log line.
     let script = "#!/bin/sh\necho ran >> \"$0.log\"\nbase=\"${2#base:=}\"\n\
                   while IFS= read -r line; do case \"$line\" in\n*xacro:arg*) ;;\n*'$(arg base)'*)\n\
                   printf '%s%s%s\\n' \"${line%%\\$*}\" \"$base\" \"${line##*)}\" ;;\n*) printf '%s\\n' \"$line\" ;;\nesac; done < \"$1\"\n";
@@ -364,7 +365,7 @@ fn init_calls_xacro_and_a_cell_file_does_not() {
     assert_eq!(shop.text("bin/xacro.log"), "ran\n");
     let rows = shop.json(&["check", "out/cell.toml"])["urdf"]["rows"][0]["r_mm"].clone();
     assert_eq!(rows, 500.0);
-    // A cell whose robot names the xacro file is refused, and runs nothing.
+    // A cell whose robot names the xacro file is refused, and no program runs.
     std::fs::copy(shop.path(XACRO), shop.path("out/robots/arm.urdf")).unwrap();
     let refused = with_path(&shop, &["map", "out/cell.toml"], &path);
     assert!(refused.code == Some(2) && refused.err.contains("is not expanded here"), "{}", refused.err);
@@ -393,7 +394,7 @@ fn a_failing_xacro_repeats_its_reason() {
 fn a_robot_that_reaches_no_table_gets_no_cell() {
     let start = arm().find("<joint name=\"j2\"").unwrap();
     let arm = arm();
-    // One joint turns the rest about the vertical.
+    // One joint rotates the rest of the arm about the vertical.
     let rigid = format!(
         "{}{}",
         &arm[..start],

@@ -3,10 +3,10 @@
 use crate::cli::sandbox::*;
 use serde_json::Value;
 
-/// Cell of these tests: nodes next to joint limits can be used.
+/// Cell of these tests. It has no assumed margins, so nodes next to joint limits are usable.
 const CELL: &str = IDEAL;
 
-/// Robot without a closed-form inverse here, over a table.
+/// Cell with a robot that has no closed-form inverse kinematics here, and a table.
 const UR10: &str = "schema = \"sweetspot/cell/1\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
                     errors = \"factory\"\ncollision = false\nmodel = \"linear\"\n\
                     [robot]\nfrom = \"robots/ur10.toml\"\nbase = { x_mm = 100, y_mm = 0, z_mm = 0, yaw_deg = 30 }\n\
@@ -62,8 +62,8 @@ fn the_shares_of_a_budget_add_up_to_its_total() {
     }
 }
 
-/// Halving a tolerance cuts the linear worst case by at most half its share, and by nearly that if the share
-/// is small.
+/// Halving a tolerance reduces the linear worst case by at most half the share of this tolerance. If the
+/// share is small, the reduction is nearly half the share.
 #[test]
 fn the_gain_of_tightening_follows_the_shares() {
     let shop = Sandbox::new();
@@ -122,7 +122,7 @@ fn a_taught_point_has_no_error_left() {
     let ran = shop.done(&[&["budget", CELL][..], &at, &taught].concat());
     assert!(ran.out.contains("this point was touched to teach the frame: no error remains"), "{}", ran.out);
     assert!(!ran.out.contains("halving"), "{}", ran.out);
-    // A taught point is no spot: the least error that counts is at another node.
+    // A taught point cannot be the spot, so the least error is at another node.
     let map = shop.done(&[&["map", CELL][..], &taught].concat());
     assert!(map.out.contains("at node (0, 3)") && !map.out.contains("0.000000 mm"), "{}", map.out);
 }
@@ -150,16 +150,16 @@ fn budget_and_explain_refuse_bad_nodes() {
         let ran = shop.run(&[command, CELL, "--operation", "asembly"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
         assert!(ran.err.contains("no operation `asembly`; did you mean assembly?"), "{}", ran.err);
-        // A node belongs to an operation, which must be given.
+        // A node belongs to an operation, which the command must name.
         let ran = shop.run(&[command, CELL, "--at", "1,1"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
         assert!(ran.err.contains("add --operation and one of: assembly, picking"), "{}", ran.err);
-        // Nothing is in reach.
+        // In this cell, no node is in reach.
         shop.write("cells/far.toml", BEYOND_REACH);
         let ran = shop.run(&[command, "cells/far.toml"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{}", ran.err);
         assert!(ran.err.contains("assembly has no usable node: 99 out of reach"), "{}", ran.err);
-        // No axis turns the tool about itself.
+        // No axis of this arm rotates the tool about itself.
         shop.write("cells/spin.toml", "from = \"hitachi_cell.toml\"\noperation.assembly.spin_deg = 0\n");
         let ran = shop.run(&[command, "cells/spin.toml"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
@@ -294,7 +294,7 @@ fn explain_accepts_joints_of_any_robot() {
     let e = shop.json(&[&["explain", "cells/ur.toml"][..], &joints].concat());
     check_explanation(&e);
     assert_eq!(items(&e["dh"]).len(), 6);
-    // Offsets of a metre that nearly cancel cannot be linearized.
+    // The error of offsets of a metre that nearly cancel cannot be linearized.
     assert_eq!(e["guard"]["trusted"], false);
     let ran = shop.done(&[&["explain", "cells/ur.toml"][..], &joints].concat());
     assert!(ran.out.contains("do NOT trust the linear model here"), "{}", ran.out);

@@ -1,4 +1,4 @@
-//! Tests what `export` prints on paper: the set-out drawing as SVG, and the whole answer as PDF.
+//! Tests the exports for paper: the set-out drawing as SVG, and the complete result as PDF.
 
 use crate::cli::sandbox::*;
 use roxmltree::{Document, Node};
@@ -8,7 +8,7 @@ const TITLE_BLOCK: &str = "\n[title_block]\nowner = \"Example Automation\"\ntitl
                            revision = \"B\"\ndate = \"2026-11-26\"\nauthor = \"A. Author\"\n\
                            approved_by = \"B. Engineer\"\ngeneral_tolerance = \"ISO 2768-c\"\n";
 
-/// Writes the shipped cell with a title block, placement tolerances and these further lines.
+/// Writes the shipped cell with a title block, placement tolerances and the lines `more`.
 fn titled(shop: &Sandbox, more: &str) {
     let cell = shop.text(CELL);
     let untitled = cell.split("\n[title_block]").next().unwrap();
@@ -30,7 +30,7 @@ fn texts(document: &Document<'_>) -> Vec<String> {
     all.filter_map(|n| n.text().map(str::to_string)).collect()
 }
 
-/// Returns where a text stands, mm on paper.
+/// Returns the position of a text, mm on paper.
 fn place(document: &Document<'_>, said: &str) -> (f64, f64) {
     let is_it = |n: &Node<'_, '_>| n.has_tag_name("text") && n.text() == Some(said);
     let node = document.descendants().find(is_it).unwrap_or_else(|| panic!("no text {said}"));
@@ -64,9 +64,10 @@ fn the_sheet_has_title_block_tolerances_yaw_and_all_names() {
     ] {
         assert!(has(said), "no {said:?} in {told:?}");
     }
-    // Yaw of the worktable with its tolerance; the conveyor has none.
+    // The yaw of the worktable has a tolerance, and the yaw of the conveyor has none.
     assert!(has("10\u{b0} \u{b1}0.05\u{b0}") && has("80\u{b0}"), "{told:?}");
-    // The corner is off by less than the frame may be, because the yaw may turn it.
+    // The permitted displacement of the corner is smaller than the tolerance of the frame, because the yaw
+    // also moves the corner.
     let map = shop.json(&["map", "cells/titled.toml"]);
     let at = &map["layout"]["worktable"];
     let [x, y] = ["x_mm", "y_mm"].map(|key| number(&at[key]));
@@ -88,7 +89,7 @@ fn the_sheet_is_to_scale_and_cuts_no_reach() {
     let told = texts(&document);
     let scale = told.iter().find_map(|t| t.strip_prefix("1:")).unwrap();
     let ratio: f64 = scale.parse().unwrap();
-    // The letters stand at corners, whose places the list gives from the base.
+    // The letters mark corners, whose positions relative to the base are in the list.
     let (a, b) = (place(&document, "A"), place(&document, "B"));
     let row = |name: &str| -> Vec<f64> {
         let at = told.iter().position(|t| t == name).unwrap();
@@ -127,7 +128,7 @@ fn the_projection_decides_which_view_is_above() {
         let document = Document::parse(&svg).unwrap();
         let (plan, front) = (place(&document, "plan"), place(&document, "front, seen along y"));
         assert_eq!(front.1 < plan.1, front_is_above, "{projection}");
-        // One view stands exactly below the other.
+        // One view is exactly below the other.
         assert_eq!(front.0, plan.0);
     }
 }
@@ -171,7 +172,7 @@ mod pdf {
                 out
             });
             all.push((words, bytes));
-            // A compressed stream may contain the word of the end by chance; the next object begins after it anyway.
+            // A compressed stream may contain the end mark by chance. The next object is found anyway.
             from = end;
         }
         all
@@ -199,7 +200,7 @@ mod pdf {
             let short = sides[2].min(sides[3]);
             assert!((short - 595.28).abs() < 0.1 || (short - 841.89).abs() < 0.1, "{media}");
         }
-        // Every font has its file inside.
+        // The PDF contains the file of every font.
         let fonts = of("/Type /FontDescriptor");
         assert!(!fonts.is_empty());
         assert!(fonts.iter().all(|(words, _)| words.contains("/FontFile") && words.contains("NotoSans")));
@@ -210,7 +211,7 @@ mod pdf {
         );
         let contents = all.iter().filter(|(words, _)| words.contains("/Dest")).count();
         assert!(contents >= 5, "{contents} entries in the table of contents");
-        // The same cell gives the same pages and fonts; the crate of the PDF numbers the fonts by chance.
+        // The same cell gives the same pages and fonts, but the PDF crate numbers the fonts in random order.
         shop.done(&["export", "cells/titled.toml", "--to", "pdf", "-o", "again.pdf"]);
         let sorted = |all: Vec<(String, Vec<u8>)>| {
             let mut streams: Vec<_> = all.into_iter().map(|(_, bytes)| bytes).collect();

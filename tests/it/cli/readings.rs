@@ -1,4 +1,4 @@
-//! Tests `readings`.
+//! Tests the command `readings`.
 
 use crate::cli::sandbox::*;
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Tests `report`: the page, its statements, and its refusals.
+//! Tests `report`: the page, the statements on the page, and refusals.
 
 use crate::cli::sandbox::*;
 use base64::Engine;
@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Returns a folder with a search in `found`, made once. Its cell is small, and three layouts are kept.
+/// Returns a sandbox with a search result in the folder `found`, which is made once. The cell is small, and
+/// the search keeps three layouts.
 fn shop() -> Sandbox {
     static FOUND: OnceLock<Sandbox> = OnceLock::new();
     let made = FOUND.get_or_init(|| {
@@ -32,12 +33,13 @@ fn between<'t>(text: &'t str, from: &str, to: &str) -> &'t str {
     &text[start..start + length]
 }
 
-/// Returns the hash by which a content security policy allows this text.
+/// Returns the hash with which a content security policy allows this text.
 fn hash(text: &str) -> String {
     format!("'sha256-{}'", base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
-/// Checks a page as a browser does: its policy holds the hashes of its contents, and nothing uses a network.
+/// Checks a page as a browser does: its policy contains the hashes of its scripts and styles, and nothing
+/// uses the network.
 fn assert_sound(html: &str) {
     assert!(html.len() < 8 << 20, "{} bytes", html.len());
     let policy = between(html, "Content-Security-Policy\" content=\"", "\">");
@@ -51,15 +53,15 @@ fn assert_sound(html: &str) {
     );
     let count = |word: &str| html.matches(word).count();
     assert_eq!((count("<style"), count("</style")), (1, 1));
-    // One script element runs, and one holds JSON.
+    // One script element contains code, and the other contains JSON.
     let body = html.replacen(between(html, "<script>", "</script>"), "", 1);
     assert_eq!((body.matches("<script").count(), body.matches("</script").count()), (2, 2));
     let json: Value = serde_json::from_str(between(html, "id=\"drawings\">", "</script>")).unwrap();
     assert_eq!(json["schema"], "sweetspot/drawing/1");
-    // Outside of script, style and data nothing can run or fetch.
+    // Outside script, style and data, nothing can run or fetch.
     let markup = body.replacen(between(&body, "id=\"drawings\">", "</script>"), "", 1);
     let markup = markup.replacen(between(&markup, "<style>", "</style>"), "", 1);
-    // Names are text: only the parts of a tag outside of quoted values can be attributes.
+    // Names must be text: only the parts of a tag outside quoted values can be attributes.
     let tags = markup.split('<').skip(1).map(|part| part.split('>').next().unwrap_or_default());
     let bare: String = tags.map(|tag| tag.split('"').step_by(2).collect::<String>() + "\n").collect();
     for word in [" style=", " on", " src="] {
@@ -77,7 +79,7 @@ fn assert_sound(html: &str) {
     );
 }
 
-/// Returns the numbers that the page holds for programs, by the label of their fact.
+/// Returns the machine-readable numbers of the page, each with the label of its fact.
 fn facts(html: &str) -> Vec<(String, f64)> {
     let list = between(html, "<dl class=\"facts\">", "</dl>");
     let fact = |part: &str| {
@@ -106,7 +108,7 @@ fn the_verdict_of_a_report_agrees_with_the_search() {
             assert_eq!(field(spot, key), field(operation, key), "{key}");
         }
     }
-    // The runner-up is the least of the other layouts that were kept.
+    // The runner-up is the best of the other kept layouts.
     let front = items(&search["front"]).iter().filter(|f| f["layout"] != search["layout"]);
     let least = front.map(|f| number(&f["objective_value"])).fold(f64::INFINITY, f64::min);
     assert_eq!(verdict["runner_up"]["kind"], "layout");
@@ -122,20 +124,21 @@ fn the_verdict_of_a_report_agrees_with_the_search() {
     assert_eq!(of("Proven gap"), number(&search["gap_percent"]));
     assert_eq!(of("Runner-up"), least);
     assert_corners(&html, &search["layout"]["worktable"]);
-    // A page may be replaced. Another file may not.
+    // The command may overwrite a page but no other file.
     shop.done(&["report", "found", "-o", "page.html"]);
     let ran = shop.run(&["report", "found", "-o", "cells/small.toml"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert_eq!(shop.text("cells/small.toml"), SMALL);
 }
 
-/// Checks that the four corners for the fitter span the table where search.json places it.
+/// Checks that the four corners of the set-out list span the table at its placement in search.json.
 fn assert_corners(html: &str, at: &Value) {
     let table = between(html, "Best layout: corners", "</table>");
     let rows: Vec<Vec<f64>> =
         table.split("<tr>").skip_while(|row| !row.contains(">worktable<")).take(4).map(cells).collect();
     let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / 4.0;
-    // The columns are corner, world x and y, x and y from the base, tape.
+    // The columns are the corner, x and y in the world, x and y from the base, and the distance for a tape
+    // measure.
     assert!((mean(1) - number(&at["x_mm"])).abs() < 0.1, "{rows:?}");
     assert!((mean(2) - number(&at["y_mm"])).abs() < 0.1, "{rows:?}");
     let yaw = (rows[1][2] - rows[0][2]).atan2(rows[1][1] - rows[0][1]).to_degrees();
@@ -189,7 +192,7 @@ fn a_folder_that_was_tampered_with_is_refused() {
     }
 }
 
-/// Forged hashes do not help: the numbers are computed again.
+/// Right hashes of wrong numbers are not enough, because the numbers are computed again.
 #[test]
 fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     let shop = shop();
@@ -243,7 +246,7 @@ fn the_start_layout_is_judged_by_its_limit() {
             json!([map["operations"][0]["best"]["i"], map["operations"][0]["best"]["j"]])
         );
     }
-    // Without a limit there is no shortfall, and the next best node is the runner-up.
+    // Without a limit, there is no shortfall, and the next best node is the runner-up.
     let verdict = shop.json(&["report", PAPER]);
     assert_eq!((&verdict["requirement"], &verdict["gap_percent"]), (&json!("none"), &Value::Null));
     let mut values: Vec<f64> = items(&map["operations"][0]["nodes"])
@@ -289,7 +292,7 @@ fn a_stopped_search_is_reported_as_stopped() {
     assert!(shop.text("report.html").contains("The search was stopped early"));
 }
 
-/// Names that would be markup, script, template or terminal codes if they were not escaped.
+/// Hostile names: unescaped, they would be markup, script, template or terminal codes.
 const HOSTILE: [&str; 8] = [
     "<script>alert(1)</script>",
     "</script><img src=x onerror=alert(2)>",
@@ -327,7 +330,7 @@ fn hostile_names_are_shown_as_text_in_the_report() {
         other = quoted(other),
     );
     shop.write("cells/hostile.toml", &text);
-    // A word of the command line is shown, too.
+    // The page also shows words of the command line.
     let ran = shop.run(&["report", "cells/hostile.toml", "--package", "\u{1b}[31mred</script>=."]);
     assert!([Some(0), Some(1)].contains(&ran.code), "{}", ran.err);
     let html = shop.text("report.html");
@@ -336,10 +339,10 @@ fn hostile_names_are_shown_as_text_in_the_report() {
         assert!(!html.contains(raw), "{raw}");
         assert!(!ran.out.contains('\u{1b}') && !ran.err.contains('\u{1b}'));
     }
-    // A quote is harmless in JSON but would end a value in markup.
+    // A quotation mark is harmless in JSON but would end a value in markup.
     let markup = html.replacen(between(&html, "id=\"drawings\">", "</script>"), "", 1);
     assert!(!markup.contains("' onmouseover='"));
-    // The page still shows them.
+    // The page still shows the names as text.
     for shown in ["&lt;script&gt;alert(1)", "{{ 7919 * 7927 }}{% raw %}", "&amp;lt;b&amp;gt;"] {
         assert!(html.contains(shown), "{shown}");
     }
@@ -372,11 +375,11 @@ fn a_comparison_page_names_the_better_layout() {
             ratio if ratio < 1.1 => format!("{:.1} % {verb}", 100.0 * (x - y).abs() / x),
             ratio => format!("{ratio:.1} times {verb}"),
         };
-        // A unit is tied to its number.
+        // A no-break space ties a unit to its number.
         assert!(html.replace('\u{a0}', " ").contains(&by), "no {by}");
     }
     let search = shop.document("found/search.json");
-    // The gap is rounded up, so that no less is claimed than proven.
+    // The gap is rounded up, so the page never states a smaller gap than the proven gap.
     let gap = number(&search["gap_percent"]);
     let digits = if gap < 0.1 { 1e4 } else { 1e1 };
     let gap = format!("{} %", (gap * digits).ceil() / digits);

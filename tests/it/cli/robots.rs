@@ -26,7 +26,7 @@ fn the_built_in_library_equals_the_robots_folder() {
     assert!(words.out.contains("Hitachi PW 10-II") && words.err.starts_with("next: sweetspot robot "));
 }
 
-/// The library is available in any folder: it needs no files.
+/// The built-in library is available in any folder, because it needs no files.
 #[test]
 fn the_built_in_library_needs_no_files() {
     let shop = Sandbox::new();
@@ -66,7 +66,7 @@ fn a_library_robot_is_printed_with_its_numbers() {
     let first = &items(field(&by_name, "joints"))[0];
     assert_eq!(number(field(first, "r_mm")), 750.0);
     assert_eq!(numbers(field(first, "limits")), [-150.0, 150.0]);
-    // At home the upper arm is vertical, forearm and tool horizontal along +y.
+    // At home, the upper arm is vertical, and forearm and tool are horizontal along +y.
     assert!(near(&numbers(field(&by_name, "home_position_mm")), &[0.0, 1250.0, 1350.0], 1e-6));
     let words = shop.done(&["robot", "hitachi_pw10"]).out;
     for said in ["D-H rows, standard", "q1 (waist)", "envelope", "a signed sample", "source"] {
@@ -82,12 +82,12 @@ fn the_sheet_of_an_arm_without_closed_form_names_the_envelope_command() {
         assert!(shop.done(&["robot", robot]).out.contains("`sweetspot envelope`"));
     }
     let size = &shop.json(&["robot", "ur10e"])["envelope"]["size"];
-    // The wrist centre moves on a torus about the base axis; this is far inside the reach of 1595 mm.
+    // The wrist centre moves on a torus about the base axis, which is far inside the reach of 1595 mm.
     let radius = numbers(field(size, "radius_mm"));
     assert!(number(field(size, "extent_within_mm")) == 0.1 && radius[1] < 1595.0, "{size}");
 }
 
-/// The file marks its rows as modified: they begin with the common normal.
+/// The file declares modified rows, which begin with the common normal.
 #[test]
 fn modified_dh_rows_are_printed_as_they_are_written() {
     let shop = Sandbox::new();
@@ -155,7 +155,7 @@ fn the_envelope_of_a_cell_holds_the_tool_of_its_operation() {
     let args = ["envelope", CELL, "--operation", "assembly", "--svg", "e.svg"];
     let document = shop.json(&args);
     assert_eq!(text(field(&document, "operation")), "assembly");
-    // 600 mm of the table and 100 mm above it.
+    // The height is 600 mm for the table plus 100 mm of standoff.
     assert_eq!(number(&document["plans"][0]["height_mm"]), 700.0);
     let picture = shop.text("e.svg");
     assert!(picture.contains("section at azimuth 90 deg") && picture.contains("plan at z = 700 mm"));

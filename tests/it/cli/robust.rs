@@ -1,4 +1,4 @@
-//! Tests `robust` and `search --robust`.
+//! Tests the commands `robust` and `search --robust`.
 
 use crate::cli::sandbox::*;
 
@@ -36,7 +36,7 @@ fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
             field(r, key);
         }
     }
-    // Beyond the limit within the tolerance, or at the nominal layout, the answer is no.
+    // The limit is exceeded within the tolerance, or even at the nominal layout, so the answer is no.
     for limit in ["13.01", "5"] {
         let no = shop.run(&["robust", "cells/loose.toml", "--limit", limit]);
         assert_eq!(no.code, Some(1), "{limit}: {}", no.out);
@@ -72,7 +72,7 @@ fn a_robust_search_without_placement_tolerances_is_refused() {
     let ran = shop.run(&["search", "cells/hitachi_paper.toml", "--robust"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("no placement has a tolerance") && ran.err.contains("help: "), "{}", ran.err);
-    // The allowed misplacement is reported all the same.
+    // The allowed misplacement is still reported.
     let told = shop.done(&["robust", IDEAL]);
     assert!(
         told.out.contains("may be misplaced by at most") && !told.out.contains("tolerance: worst"),
@@ -97,7 +97,8 @@ fn the_refined_spot_is_in_every_report() {
     assert!(shop.text("mapped/map.svg").contains(" refined: "));
 }
 
-/// A search without a layout within the tolerances names the tolerance that ends it, and how much of it would hold.
+/// If a search finds no layout that works within the tolerances, it names the limiting tolerance and the
+/// largest value that would work.
 #[test]
 fn a_search_names_the_tolerance_that_leaves_no_layout() {
     let shop = Sandbox::new();

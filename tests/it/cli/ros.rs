@@ -8,7 +8,7 @@ use sweetspot::files::load_robot;
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 
-/// Cell with every shape, a fence, a keep-out box, and a robot on a pedestal that is turned and moved.
+/// Cell with every kind of shape, a fence, a keep-out box, and a rotated and displaced robot on a pedestal.
 const ROS_CELL: &str = r#"from = "hitachi_cell.toml"
 name = "A & B -- <cell>"
 [robot]
@@ -29,7 +29,7 @@ polygon_mm = [[-3000, -3000], [3000, -3000], [3000, 3000], [-3000, 3000]]
 height_mm = 2000
 "#;
 
-/// Robot file of the arm that stands on the link `robot_base` of the exported URDF.
+/// Robot file of the arm that is mounted on the link `robot_base` of the exported URDF.
 const ARM: &str = r#"schema = "sweetspot/robot/1"
 units = { length = "mm", angle = "deg" }
 name = "arm in its cell"
@@ -57,7 +57,7 @@ fn exported(shop: &Sandbox) -> Cell {
     load_from(&shop.path("cells"), "ros.toml").unwrap().cell
 }
 
-/// Reads the URDF with the arm joined to its link `robot_base`.
+/// Reads the exported URDF with the arm joined to the link `robot_base`.
 fn with_arm(shop: &Sandbox) -> Robot {
     let cell = shop.text("cells/ros.urdf");
     let arm = shop.text("cells/robots/hitachi_pw10.urdf");
@@ -93,7 +93,7 @@ fn a_urdf_of_the_layout_is_read_back_with_its_poses() {
     let cell = exported(&shop);
     let robot = with_arm(&shop);
     let layout = cell.start();
-    // The arm stands where the base of the cell stands: its tool is at the same places.
+    // The arm is at the base of the cell, so its tool has the same poses.
     let (base, own, whole) = (layout.base.pose(), Chain::new(&cell.robot), Chain::new(&robot));
     for k in 0..20 {
         let joints = own.halton_sample(k);
@@ -129,7 +129,7 @@ fn a_urdf_of_the_layout_is_read_back_with_its_poses() {
                     }
                 }
                 (Shape::Leg { x, y, size, top }, found) => {
-                    // From the floor at 0 up to the top of the leg.
+                    // The leg reaches from the floor at height 0 up to its top.
                     let height = at.z + top;
                     let middle = pose.transform(&Vector3::new(x, y, 0.0));
                     let centre = Pose { translation: Vector3::new(middle.x, middle.y, height / 2.0), ..pose };
@@ -198,12 +198,12 @@ fn spots_are_frames_of_the_urdf() {
             (0..3).all(|k| (tcp.translation[k] - expected[k] / 1e3).abs() < 1e-9),
             "{tcp:?} {expected:?}"
         );
-        // The tool of this robot points along x of its TCP, and here it points down.
+        // The tool of this robot points along the x axis of its TCP, which here points down.
         assert!((tcp.rotation.column(0) + Vector3::z()).amax() < 1e-9, "{tcp:?}");
         tried += 1;
     }
     assert!(tried > 0, "no spot at all");
-    // A prefix makes the meshes files of a ROS package.
+    // With a prefix, the meshes are files of a ROS package.
     shop.done(&[
         "export",
         "cells/ros.toml",
@@ -226,7 +226,8 @@ fn spots_are_frames_of_the_urdf() {
 /// Object of a planning scene: name, pose, shapes (kind, numbers, pose), subframes.
 type Scene = Vec<(String, Pose, Vec<(String, Vec<f64>, Pose)>, Vec<(String, Pose)>)>;
 
-/// Reads a planning scene as MoveIt does: words separated by white space, but names on lines of their own.
+/// Reads a planning scene as MoveIt does: words are separated by white space, but names are on separate
+/// lines.
 fn scene(text: &str) -> Scene {
     let mut lines = text.lines().skip(1);
     fn list(line: Option<&str>) -> Vec<f64> {

@@ -1,4 +1,5 @@
-//! Sandbox of a command test: a folder with a copy of cells/, the command run in it, and its output.
+//! Sandbox of command tests: a folder with a copy of cells/, commands that run in this folder, and their
+//! output.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -59,19 +60,19 @@ impl Sandbox {
         ran(self.command(args).output().unwrap())
     }
 
-    /// Runs the command and insists on success.
+    /// Runs the command and asserts success.
     pub fn done(&self, args: &[&str]) -> RunOutput {
         let ran = self.run(args);
         assert_eq!(ran.code, Some(0), "{args:?}: {}{}", ran.out, ran.err);
         ran
     }
 
-    /// Runs the command with --json, insists on success and returns the document.
+    /// Runs the command with --json, asserts success and returns the document.
     pub fn json(&self, args: &[&str]) -> Value {
         self.done(&[args, &["--json"]].concat()).document()
     }
 
-    /// Insists that a folder has these files.
+    /// Asserts that a folder contains the given files.
     pub fn has(&self, folder: &str, names: &[&str]) {
         let files = self.files(folder);
         names.iter().for_each(|n| assert!(files.contains(&n.to_string()), "no {n} among {files:?}"));
@@ -87,7 +88,7 @@ impl Sandbox {
 }
 
 impl RunOutput {
-    /// Returns the one JSON document that stdout must be.
+    /// Returns the JSON document that stdout must consist of.
     pub fn document(&self) -> Value {
         assert!(self.out.ends_with("}\n"), "no document: {}", self.out);
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {}", self.out))
@@ -154,7 +155,7 @@ pub fn items(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("no list: {value}"))
 }
 
-/// Returns the value under a key that must be there, null or not.
+/// Returns the value of a key, which must exist but may be null.
 pub fn field<'a>(value: &'a Value, key: &str) -> &'a Value {
     value.get(key).unwrap_or_else(|| panic!("no `{key}` in {value}"))
 }
@@ -164,11 +165,11 @@ pub fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
 }
 
 pub const CELL: &str = "cells/hitachi_cell.toml";
-/// The same cell as a question about ideal layouts: nothing is assumed.
+/// The shipped cell for ideal layouts, without assumed values.
 pub const IDEAL: &str = "cells/hitachi_ideal.toml";
 pub const PAPER: &str = "cells/hitachi_paper.toml";
 
-/// Cell whose table is out of reach wherever it may stand.
+/// Cell whose table is out of reach at every allowed placement.
 pub const BEYOND_REACH: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\n\
                             x_mm = { min = 5000, max = 6000 }\n";
 

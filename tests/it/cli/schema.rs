@@ -1,4 +1,4 @@
-//! Tests `schema`: it prints the files of cells/schemas, where every shipped file looks for them.
+//! Tests `schema`: the command prints the files of cells/schemas, to which every shipped file refers.
 
 use crate::cli::sandbox::*;
 use crate::common::root;
@@ -53,7 +53,7 @@ fn the_reference_of_keys_is_printed_and_written() {
     }
 }
 
-/// The reference of a document names every field of its schema, and every link in it has its heading.
+/// The reference page of a document names every field of its schema, and every link leads to a heading.
 #[test]
 fn the_reference_of_a_document_has_every_field() {
     let shop = Sandbox::new();
@@ -113,7 +113,7 @@ fn every_shipped_file_names_its_schema() {
     assert!(count >= 42, "{count} files");
 }
 
-/// Insists that a document validates against the schema that the command prints.
+/// Asserts that a document is valid against the schema that the command prints.
 fn validates(shop: &Sandbox, kind: DocumentKind, document: &Value) {
     let schema: Value = serde_json::from_str(&shop.done(&["schema", kind.name()]).out).unwrap();
     let validator = jsonschema::draft7::new(&schema).unwrap();
@@ -122,7 +122,7 @@ fn validates(shop: &Sandbox, kind: DocumentKind, document: &Value) {
     assert!(faults.is_empty(), "{}: {faults:#?}", kind.name());
     let mut unknown = document.clone();
     unknown["unknown_field"] = Value::Null;
-    assert!(!validator.is_valid(&unknown), "{}: an unknown field is taken", kind.name());
+    assert!(!validator.is_valid(&unknown), "{}: an unknown field is accepted", kind.name());
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn documents_of_commands_validate_against_the_printed_schemas() {
     validates(&shop, DocumentKind::Envelope, &shop.json(&["envelope", "hitachi_pw10"]));
 }
 
-/// The settings of the manifest are read, not its command line.
+/// The settings of the manifest are used, not its command line.
 #[test]
 fn a_result_folder_is_read_by_its_settings_and_not_by_its_command() {
     let shop = Sandbox::new();
@@ -160,7 +160,7 @@ fn a_result_folder_is_read_by_its_settings_and_not_by_its_command() {
     let ran = shop.run(&["report", "found", "--json"]);
     assert_eq!(ran.code, code, "{}", ran.err);
     assert_ne!(ran.document()["requirement"], "none");
-    // Another default of the program would be another question.
+    // If the settings differ from the settings of the search, the folder is refused.
     shop.write("found/manifest.json", &resealed(&manifest.replace("\"budget\": 60", "\"budget\": 61")));
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2));

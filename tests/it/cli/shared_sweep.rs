@@ -1,5 +1,5 @@
-//! Tests workers that share the combinations of a sweep through a folder: they die, fail and come late, and the
-//! result has the bytes of a straight run.
+//! Tests workers that share the combinations of a sweep through a folder. Although workers die, fail and
+//! start late, the result has the bytes of an undisturbed run.
 
 use crate::cli::sandbox::*;
 use crate::cli::worker::*;
@@ -11,7 +11,7 @@ use std::time::Duration;
 
 const HEIGHTS: &str = "equipment.worktable.placement.z_mm=";
 
-/// Returns a sweep over heights of the table. One combination takes about 0.1 s.
+/// Returns the arguments of a sweep over heights of the table. One combination takes about 0.1 s.
 fn sweep(count: usize, more: &[&str]) -> Vec<String> {
     let heights: Vec<String> = (0..count).map(|k| (500 + 5 * k).to_string()).collect();
     let set = format!("{HEIGHTS}{}", heights.join(","));
@@ -23,7 +23,7 @@ fn words(args: &[String]) -> Vec<&str> {
     args.iter().map(String::as_str).collect()
 }
 
-/// Makes a sandbox with the plan of a sweep in the folder `shared`.
+/// Returns a sandbox with the plan of a sweep in the folder `shared`.
 fn planned(count: usize) -> Sandbox {
     let shop = Sandbox::new();
     shop.done(&words(&sweep(count, &["--out", "shared", "--plan-only"])));
@@ -36,7 +36,7 @@ fn result(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
     files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-/// Insists that the folder `shared` holds the files of a straight run, byte for byte.
+/// Asserts that the folder `shared` contains the files of an undisturbed run, byte for byte.
 fn assert_whole(shop: &Sandbox, count: usize) {
     shop.done(&words(&sweep(count, &["--out", "straight"])));
     let (shared, straight) = (result(shop, "shared"), result(shop, "straight"));
@@ -49,7 +49,7 @@ fn rows(shop: &Sandbox) -> usize {
     shop.files("shared").iter().filter(is_row).count()
 }
 
-/// Returns a claim as another host writes it.
+/// Returns the text of a claim of another host.
 fn claim(state: &str, beat: u32, losses: u32) -> String {
     format!(
         "{{\"host\":\"elsewhere\",\"process\":7,\"state\":\"{state}\",\"beat\":{beat},\"lease\":1,\
@@ -57,7 +57,7 @@ fn claim(state: &str, beat: u32, losses: u32) -> String {
     )
 }
 
-/// Returns how many combinations a worker says that it has processed.
+/// Returns the number of combinations that a worker reports as processed.
 fn processed(worker: &RunOutput) -> usize {
     let (_, count) = worker.err.split_once("this worker has processed ").unwrap();
     count.split(' ').next().unwrap().parse().unwrap()
@@ -68,8 +68,8 @@ fn put_claim(shop: &Sandbox, name: &str, text: &str) {
     shop.write(&format!("shared/claims/{name}"), text);
 }
 
-/// kill -9 hits one of four workers at 20 random moments, and a new worker takes its place. Each kill costs one
-/// combination at most.
+/// The test kills one of four workers with SIGKILL at 20 random moments, and starts a new worker each time.
+/// Each kill costs at most one combination.
 #[test]
 fn killed_workers_end_in_the_bytes_of_a_straight_run() {
     const COMBINATIONS: usize = 64;
@@ -99,7 +99,7 @@ fn killed_workers_end_in_the_bytes_of_a_straight_run() {
     println!("{KILLS} kills: {again} of {COMBINATIONS} combinations were begun again");
 }
 
-/// No worker is the first: the same command starts the sweep or joins it.
+/// All workers run the same command, which starts the sweep or joins it.
 #[test]
 fn workers_that_start_at_the_same_time_share_the_work() {
     let shop = Sandbox::new();
@@ -113,11 +113,11 @@ fn workers_that_start_at_the_same_time_share_the_work() {
     let claims: Vec<String> = (0..12).map(|k| format!("{k:04}-1")).collect();
     assert_eq!(shop.files("shared/claims"), claims);
     assert_whole(&shop, 12);
-    // A late worker finds the work done.
+    // A late worker finds all combinations finished.
     assert_eq!(shop.done(&["sweep", "--claim", "shared"]).out, ended[0].out);
 }
 
-/// A worker needs nothing but the shared folder.
+/// A worker needs only the shared folder.
 #[test]
 fn a_worker_needs_only_the_folder() {
     let shop = planned(3);
@@ -130,7 +130,7 @@ fn a_worker_needs_only_the_folder() {
     assert_whole(&shop, 3);
 }
 
-/// The clock of the dead owner does not matter: its claim may be dated in the future.
+/// The clock of the dead owner does not matter, so the date of its claim may be in the future.
 #[test]
 fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
     let shop = planned(2);
@@ -138,7 +138,7 @@ fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
     let worker = Worker::start(&shop, &["sweep", "--claim", "shared"]);
     wait_until("the free combination", || rows(&shop) == 1);
     let future = std::time::SystemTime::now() + Duration::from_secs(86_400);
-    // The heart of the other host beats for three leases.
+    // The other host renews its claim for three leases.
     for beat in 1..=30 {
         put_claim(&shop, "0001-1", &claim("running", beat, 0));
         let file = std::fs::File::options().write(true).open(shop.path("shared/claims/0001-1")).unwrap();
@@ -154,7 +154,7 @@ fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
     assert_eq!(shop.files("shared/claims"), ["0000-1", "0001-1", "0001-2"]);
 }
 
-/// A worker that died before it wrote its name, and damaged files, do not stop the others.
+/// Neither a worker that died before it wrote its name nor damaged files stop the other workers.
 #[test]
 fn empty_claims_and_damaged_files_are_mended() {
     let shop = planned(3);
@@ -187,8 +187,8 @@ fn a_combination_that_kills_its_workers_is_given_up() {
     assert_whole(&shop, 2);
 }
 
-/// The first worker keeps its claim with heartbeats. When a signal stops it, the second one does not wait for the
-/// lease to end.
+/// The first worker keeps its claim with heartbeats. After a signal stops the first worker, the second worker
+/// does not wait until the lease ends.
 #[cfg(unix)]
 #[test]
 fn a_worker_keeps_its_combination_until_it_is_stopped() {
@@ -203,7 +203,7 @@ fn a_worker_keeps_its_combination_until_it_is_stopped() {
         let text = std::fs::read(shop.path(&format!("shared/claims/{name}"))).unwrap_or_default();
         serde_json::from_slice(&text).map_or(0, |claim: Value| claim["beat"].as_u64().unwrap())
     };
-    // Three leases.
+    // This time is three leases.
     wait_until("18 heartbeats", || beat("0000-1") >= 18);
     assert_eq!(shop.files("shared/claims"), ["0000-1"]);
     let status = shop.json(&["sweep", "--status", "shared"]);
@@ -239,7 +239,7 @@ fn a_status_counts_what_is_done_running_and_free() {
     assert_eq!((text(&running["host"]), &running["process"]), ("elsewhere", &7.into()));
     assert_eq!((&running["index"], &running["seconds"]), (&2.into(), &2.5.into()));
     assert_eq!(text(&status["failed"][0]["why"]), "process 7 on elsewhere failed: error: the disk is full");
-    // Two combinations done by one host give the mean time of the three that are left.
+    // The times of two finished combinations give the estimated time of the three remaining combinations.
     let spent = number(&status["hosts"][0]["seconds"]);
     assert_eq!(status["hosts"][0]["combinations"], serde_json::json!([0, 1]));
     assert!((number(&status["seconds_left"]) - (1.5 * spent - 2.5).max(0.0)).abs() < 1e-9, "{status}");
@@ -270,7 +270,7 @@ fn a_worker_refuses_another_plan_other_inputs_and_another_version() {
     refused(&join, &format!("shared/inputs/{robot}: it has changed"));
     std::fs::remove_file(shop.path(&format!("shared/inputs/{robot}"))).unwrap();
     refused(&join, &format!("shared/inputs/{robot}: no such file"));
-    // The whole command writes the inputs again.
+    // The full command writes the inputs again.
     shop.done(&words(&sweep(2, &["--claim", "shared", "--only", "0"])));
     assert_eq!(shop.text(&format!("shared/inputs/{robot}")), was);
     std::fs::remove_file(shop.path("shared/0000.json")).unwrap();
@@ -304,7 +304,7 @@ const LONG_BUDGET: &str = "100000";
 /// Name of the checkpoint of the first combination.
 const FIRST_CHECKPOINT: &str = "shared/.sweetspot-0000.checkpoint";
 
-/// Returns after how many layouts a worker has continued a combination.
+/// Returns the number of layouts after which a worker has continued a combination.
 fn continued(worker: &RunOutput) -> u64 {
     let (_, count) = worker.err.split_once("note: combination 0 continues after ").unwrap_or_else(|| {
         panic!("it did not continue: {}", worker.err);
@@ -312,8 +312,8 @@ fn continued(worker: &RunOutput) -> u64 {
     count.split(' ').next().unwrap().parse().unwrap()
 }
 
-/// A worker is killed with -9 and another one is stopped. The next ones continue where they have ended, and nothing of
-/// their checkpoints remains.
+/// One worker is killed with SIGKILL, and another worker is stopped. The next workers continue from the
+/// checkpoints, and no checkpoint remains at the end.
 #[cfg(unix)]
 #[test]
 fn a_killed_combination_continues_from_its_checkpoint() {
@@ -333,13 +333,13 @@ fn a_killed_combination_continues_from_its_checkpoint() {
     assert_eq!(result(&shop, "shared"), result(&shop, "straight"));
 }
 
-/// A checkpoint that is damaged, or that belongs to another search, costs time but changes no byte.
+/// A checkpoint that is damaged or belongs to another search costs time but changes no byte of the result.
 #[cfg(unix)]
 #[test]
 fn a_useless_checkpoint_is_ignored_with_a_note() {
     let shop = Sandbox::new();
     let height = format!("{HEIGHTS}600,610");
-    // The other search keeps two layouts, so its checkpoints never fit, however few layouts they hold.
+    // The other search keeps two layouts, so its checkpoints never match, even if they contain few layouts.
     let keep = ["--set", "search.keep=2"];
     let args = [&["sweep", CELL, "--budget", "2000", "--jobs", "1", "--set", &height], &keep[..]].concat();
     shop.done(&[&args[..], &["--out", "straight"]].concat());
@@ -363,7 +363,7 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
     let text = shop.text(FIRST_CHECKPOINT);
     put("its text does not match the hash", &text.as_bytes()[..text.len() - 9]);
     put("it is from another search", text.as_bytes());
-    // The record of a step that the search does not repeat.
+    // This is the record of a step that the search does not repeat.
     let hash = text.split_once("\"asked\": [\n").unwrap().1.split_once(',').unwrap().0.trim();
     shop.write(FIRST_CHECKPOINT, &resealed(&text.replacen(hash, "7", 1)));
     let ran = shop.done(&["sweep", "--claim", "shared"]);

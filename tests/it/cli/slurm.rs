@@ -7,8 +7,9 @@ use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// A batch system: job N is the folder queue/N, which is removed when all tasks have ended. A task is killed
-/// before it begins if the file `lose-N` names it. No task begins while the file `wait` exists.
+/// Script `sbatch` of a simulated batch system. Job N is the folder queue/N, which is removed when all tasks
+/// have ended. If the file `lose-N` names a task, the task is killed before it begins. No task begins while
+/// the file `wait` exists.
 const SBATCH: &str = r#"#!/bin/sh
 home=$(dirname "$0")/..
 id=$(($(ls "$home/jobs" | wc -l) + 1))
@@ -34,7 +35,7 @@ mkdir "$home/queue/$id"
 echo "$id;scratch"
 "#;
 
-/// Lists the jobs, and the lines of the file `held`.
+/// Script `squeue`, which lists the jobs and the lines of the file `held`.
 const SQUEUE: &str = r#"#!/bin/sh
 cd "$(dirname "$0")/.."
 ls queue | sed 's/$/ None/'
@@ -46,7 +47,7 @@ cd "$(dirname "$0")/.."
 mv held "cancelled-$1"
 "#;
 
-/// Makes a sandbox with the batch system.
+/// Returns a sandbox with the simulated batch system.
 fn cluster() -> Sandbox {
     let shop = Sandbox::new();
     for folder in ["bin", "jobs", "queue"] {
@@ -83,7 +84,7 @@ fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&SWEEP[..], more].concat()
 }
 
-/// Insists that the folder `swept` holds the files of a straight run, byte for byte.
+/// Asserts that the folder `swept` contains the files of an undisturbed run, byte for byte.
 fn assert_whole(shop: &Sandbox) {
     shop.done(&sweep(&["--out", "straight"]));
     let own = |f: &String| !f.starts_with("claims/") && !f.starts_with("slurm/");
@@ -97,7 +98,7 @@ fn assert_whole(shop: &Sandbox) {
 #[test]
 fn lost_tasks_are_submitted_again_and_the_table_is_the_same() {
     let shop = cluster();
-    // Tasks 1 and 3 of the first job are lost, and task 0 of the second one.
+    // Tasks 1 and 3 of the first job and task 0 of the second job are lost.
     shop.write("lose-1", "1\n3\n");
     shop.write("lose-2", "0\n");
     let on = ["--out", "swept", "--on", "slurm", "--chunk", "2", "--partition", "short", "--time", "1:00"];
@@ -121,7 +122,7 @@ fn lost_tasks_are_submitted_again_and_the_table_is_the_same() {
     assert_whole(&shop);
 }
 
-/// The job outlives the command that submitted it, and a second command follows it to its end.
+/// The job continues after the command that submitted it ends. A second command waits for the end of the job.
 #[test]
 fn an_interrupted_command_goes_on_with_the_job() {
     let shop = cluster();
@@ -148,7 +149,7 @@ fn an_interrupted_command_goes_on_with_the_job() {
     assert_whole(&shop);
 }
 
-/// Islands are the combinations of a sweep over the seed, so a lost task is submitted again.
+/// Islands are processed like the combinations of a sweep, so a lost task is submitted again.
 #[test]
 fn islands_are_submitted_and_merged() {
     let shop = cluster();
@@ -167,7 +168,7 @@ fn islands_are_submitted_and_merged() {
     assert_same(&shop, "found", "straight");
 }
 
-/// Slurm holds a task for ever if a node failed to start it.
+/// Slurm holds a task forever if a node failed to start it.
 #[test]
 fn held_tasks_are_cancelled_and_submitted_again() {
     let shop = cluster();
@@ -200,7 +201,7 @@ fn after_three_retries_the_missing_combinations_are_named() {
     assert_whole(&shop);
 }
 
-/// A dry run prepares everything and submits nothing. The real run keeps a script that the user has edited.
+/// A dry run prepares all files but submits no job. The real run keeps a script that the user has edited.
 #[test]
 fn a_dry_run_shows_the_script_and_an_edited_script_is_kept() {
     let shop = cluster();
@@ -217,7 +218,7 @@ fn a_dry_run_shows_the_script_and_an_edited_script_is_kept() {
     assert!(ran.err.contains("sbatch --parsable --array=0-0 "), "{}", ran.err);
     assert!(shop.files("jobs").is_empty());
     assert_eq!(shop.text("swept/slurm/round-1.txt"), "1-6\n", "a task takes about a minute");
-    // At most two tasks fit into one array.
+    // An array has at most two tasks here, so the job becomes several arrays.
     submit(&shop, &[&["sweep", "--resume", "swept", "--chunk", "1"][..], &on[2..]].concat());
     assert_eq!(shop.text("swept/slurm/round-1.txt"), "1-3\n4-6\n");
     let edited = ran.out.replace("#SBATCH --job-name=sweetspot\n", "#SBATCH --job-name=mine\n");

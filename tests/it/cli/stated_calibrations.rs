@@ -1,7 +1,8 @@
 //! Tests calibrations that other programs state: YAML and configuration of Universal Robots, pairs of URDF
 //! files.
 //!
-//! The reference is a product of matrices of the stated frames. The errors are read from the printed table.
+//! The reference is the product of the matrices of the stated frames. The tested errors come from the printed
+//! table.
 
 use crate::cli::sandbox::{Sandbox, items, number, text};
 use crate::common::ur::CalibratedArm;
@@ -12,7 +13,7 @@ use sweetspot::files::load_robot;
 use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::robot::Chain;
 
-/// Frames of the joints of a UR10 as its driver writes them: x, y, z (m), roll, pitch, yaw (rad).
+/// Joint frames of a UR10 in the form in which its driver writes them: x, y, z (m), roll, pitch, yaw (rad).
 const NOMINAL: [[f64; 6]; 6] = [
     [0.0, 0.0, 0.1273, 0.0, 0.0, 0.0],
     [0.0, 0.0, 0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0],
@@ -24,7 +25,7 @@ const NOMINAL: [[f64; 6]; 6] = [
 
 const JOINTS: [&str; 6] = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"];
 
-/// Returns frames that differ from the nominal ones by up to 2 mm and 2 mrad, joint by joint.
+/// Returns frames that differ from the nominal frames by up to 2 mm and 2 mrad, joint by joint.
 fn calibrated() -> [[f64; 6]; 6] {
     let mut frames = NOMINAL;
     for (k, value) in frames.iter_mut().flatten().enumerate() {
@@ -37,7 +38,7 @@ fn isometry([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
-/// Returns the pose of the flange: every frame, then a turn about its z axis.
+/// Returns the pose of the flange: the product of every frame and the rotation about its z axis.
 fn flange(frames: &[[f64; 6]; 6], q: &[f64]) -> Isometry3<f64> {
     let joints = frames.iter().zip(q);
     joints.fold(Isometry3::identity(), |t, (frame, q)| {
@@ -71,8 +72,7 @@ fn read_robot(shop: &Sandbox, name: &str) -> (Robot, Perturbation) {
     (robot, perturbation)
 }
 
-/// Checks that TCP positions of the robot with errors are those of `exact`, which may move them by a constant
-/// tool: only the flange is compared.
+/// Checks that the positions of the flange of the robot with errors equal the positions that `exact` returns.
 fn assert_same(robot: Robot, errors: &Perturbation, exact: impl Fn(&[f64; 8]) -> Vector3<f64>) {
     let chain = Chain::new(&robot);
     for q in postures(200) {
@@ -98,7 +98,7 @@ fn the_yaml_of_the_driver_gives_errors_of_the_joint_frames() {
     shop.write("measured.toml", &(ur10(&shop) + "\n" + &table.out));
     let (robot, errors) = read_robot(&shop, "measured.toml");
     assert_same(robot, &errors, |q| flange(&calibrated(), q).translation.vector);
-    // Nominal frames are no errors.
+    // Nominal frames give errors of 0.
     shop.write("nominal.yaml", &yaml(&NOMINAL));
     let document = shop.json(&["calibrate", "ur10", "nominal.yaml"]);
     assert!(items(&document["parameters"]).iter().all(|p| number(&p["value"]).abs() < 1e-9), "{document}");
@@ -139,7 +139,7 @@ fn the_configuration_of_a_controller_gives_errors_of_the_rows() {
     let (robot, read) = read_robot(&shop, "measured.toml");
     let exact = Chain::new(&arm.robot);
     let perturbed = Perturbation::new(&exact, errors);
-    // The rows of the controller have 1.570796327 for a right angle.
+    // The rows of the controller state 1.570796327 for a right angle.
     let chain = Chain::new(&robot);
     for q in postures(100) {
         let at = |chain: &Chain, errors: &Perturbation| {
@@ -198,7 +198,7 @@ fn two_urdf_files_of_one_arm_give_errors_of_joint_frames_and_tool() {
     );
     let (robot, errors) = read_robot(&shop, "measured.toml");
     assert_same(robot, &errors, |q| (flange(&calibrated(), q) * isometry(moved)).translation.vector);
-    // A robot file with a URDF and a tool of its own gives the same errors of the joints.
+    // A robot file with a URDF and a separate tool gives the same errors of the joints.
     let own = shop.json(&["calibrate", "measured.toml", "calibrated.urdf"]);
     let plain = shop.json(&["calibrate", "nominal.urdf", "calibrated.urdf"]);
     assert_eq!(own["parameters"], plain["parameters"]);

@@ -1,4 +1,5 @@
-//! Tests sweeps: their rows, their refusals, and that a killed sweep ends as an undisturbed one.
+//! Tests sweeps: the rows, the refusals, and that a killed and resumed sweep gives the result of an
+//! undisturbed sweep.
 
 use crate::cli::sandbox::*;
 use serde_json::Value;
@@ -22,7 +23,8 @@ fn bytes(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
     files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
 }
 
-/// A row equals `search` of a cell file with the same settings, and the cell of the row maps to it.
+/// A row equals the result of `search` with a cell file with the same settings. A map of the cell of the row
+/// gives the same objective.
 #[test]
 fn a_sweep_row_equals_the_search_of_that_cell() {
     let shop = Sandbox::new();
@@ -42,7 +44,7 @@ fn a_sweep_row_equals_the_search_of_that_cell() {
         assert_eq!(row["objective"], found["objective_mm"], "row {index}");
         assert_eq!(row["layout"], found["layout"], "row {index}");
         assert_eq!(row["evaluations"], found["evaluations"]);
-        // The row has the proof of the search, and no objective lies below it.
+        // The row has the bound of the search, and no objective is below the bound.
         assert_eq!([&row["bound"], &row["gap_percent"]], [&found["bound"], &found["gap_percent"]]);
         let (bound, objective) = (number(&row["bound"]), number(&row["objective"]));
         assert!(0.0 < bound && bound <= objective, "row {index}: {bound} {objective}");
@@ -54,7 +56,7 @@ fn a_sweep_row_equals_the_search_of_that_cell() {
         let mapped = shop.json(&["map", &format!("swept/{index:04}.toml")]);
         assert_eq!(mapped["objective_mm"], row["objective"], "the cell of row {index}");
     }
-    // The best row is the least, and every value has its own best row.
+    // The best row has the least objective, and every value of a setting also has a best row.
     let objectives: Vec<f64> = items(&table["rows"]).iter().map(|r| number(&r["objective"])).collect();
     let least = |of: &[usize]| *of.iter().min_by(|a, b| objectives[**a].total_cmp(&objectives[**b])).unwrap();
     assert_eq!(table["best"], least(&[0, 1, 2, 3]));
@@ -79,7 +81,7 @@ fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
     shop.has("whole", &["plan.json", "0000.json", "0003.json", "table.csv", "table.json", "manifest.json"]);
     shop.done(&sweep("four", &["--jobs", "4"]));
     assert!(bytes(&shop, "four") == whole, "four jobs");
-    // Sweeps are killed at any moment, twice, and resumed in both ways.
+    // Each sweep is killed at an arbitrary moment, twice, and resumed in both ways.
     for (k, wait) in [30, 60, 90, 120, 160, 200, 250, 300].into_iter().enumerate() {
         let out = format!("killed-{k}");
         for wait in [wait, wait / 2] {
@@ -99,7 +101,7 @@ fn any_number_of_jobs_and_any_kill_end_in_the_same_bytes() {
 fn a_finished_combination_is_not_searched_again() {
     let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
-    // The mark is a value that no run computes.
+    // The marked file has a value that no run computes.
     let marked =
         resealed(&shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7"));
     shop.write("swept/0001.json", &marked);
@@ -107,7 +109,7 @@ fn a_finished_combination_is_not_searched_again() {
     let table = shop.json(&["sweep", "--resume", "swept"]);
     let evaluations: Vec<_> = items(&table["rows"]).iter().map(|r| r["evaluations"].clone()).collect();
     assert_eq!(evaluations, [400, 7, 400, 400]);
-    // Half a file is not accepted.
+    // A truncated file is not accepted.
     shop.write("swept/0001.json", &marked[..marked.len() / 2]);
     assert_eq!(shop.json(&["sweep", "--resume", "swept"])["rows"][1]["evaluations"], 400);
 }
@@ -157,7 +159,7 @@ fn a_changed_sweep_is_not_resumed_and_names_the_change() {
         assert!(ran.err.contains("these differ: robots/hitachi_pw10.toml\n"), "{}", ran.err);
     }
     assert!(bytes(&shop, "swept") == before, "a refused sweep wrote something");
-    // A folder of something else is refused.
+    // A folder with other files is refused.
     shop.write("cells/plan.json", "{}");
     for (args, said) in [
         (sweep("cells/robots", &[]), "is not empty"),
@@ -170,8 +172,8 @@ fn a_changed_sweep_is_not_resumed_and_names_the_change() {
     }
 }
 
-/// All faults of all combinations are reported before the first runs, each once, with the words of the
-/// argument.
+/// All faults of all combinations are reported before the first combination runs. Each fault is reported once
+/// and names the argument.
 #[test]
 fn faults_of_a_sweep_name_the_setting() {
     let shop = Sandbox::new();
@@ -215,7 +217,7 @@ fn faults_of_a_sweep_name_the_setting() {
     let ran = shop.run(&["sweep", CELL, "--set", &set("clearance_mm"), "--set", &set("search.seed")]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("101 times 101 values make more than 10000 combinations"), "{}", ran.err);
-    // A fault of some combinations names them.
+    // A fault of only some combinations names these combinations.
     let sets = ["--set", "errors=table-2", "--set", "robot.from=robots/hitachi_pw10.toml,robots/ur5e.toml"];
     let ran = shop.run(&[&["sweep", CELL, "--out", "swept"][..], &sets].concat());
     assert!(
@@ -262,16 +264,16 @@ fn every_kind_of_value_can_be_set() {
         "equipment.rack={ from = \"equipment/bench.toml\", placement = { x_mm = 0, y_mm = -4000, z_mm = 0 } }",
     ]);
     assert_eq!(coordinate(&new[0], "rack", "y_mm"), -4000.0);
-    // A finer grid has a spot at least as good: [20, 16] has every node of [10, 8].
+    // The spot of a finer grid is at least as good, because the grid [20, 16] contains every node of [10, 8].
     let grids = rows(&["operation.mapping.grid=[10,8],[20, 16]"]);
     assert_eq!(grids[0]["set"]["operation.mapping.grid"], serde_json::json!([10, 8]));
     assert!(number(&grids[1]["objective"]) <= number(&grids[0]["objective"]));
     assert!((number(&grids[0]["objective"]) - 3.768569).abs() < 1e-6, "{}", grids[0]);
-    // The limits lie beside and beyond the error, 3.77 mm.
+    // One limit is below the error of 3.77 mm, and the other is above it.
     let limits = rows(&["operation.mapping.limit_mm=3.7,3.8"]);
     let met: Vec<_> = limits.iter().map(|r| r["operations"][0]["limit_met"].clone()).collect();
     assert_eq!(met, [false, true]);
-    // One command runs robots against error sets, whose names differ from robot to robot.
+    // One command combines robots with error sets, whose names differ from robot to robot.
     let robots = rows(&[
         "robot.from=robots/ur5e.toml,robots/ur10e.toml",
         "errors=placeholder",

@@ -4,7 +4,7 @@ use crate::cli::sandbox::Sandbox;
 use crate::common::root;
 use serde_json::Value;
 
-/// Writes a cell whose URDF lies in a package.
+/// Writes a cell whose URDF is in a ROS package.
 fn with_package(shop: &Sandbox) {
     let robot = shop.text("cells/robots/hitachi_pw10_urdf.toml");
     let robot = robot.replace("\"hitachi_pw10.urdf\"", "\"package://pw10/urdf/arm.urdf\"");

@@ -1,4 +1,4 @@
-//! Tests `view` as a browser and as a stranger use it: addresses, requests, files, a search.
+//! Tests `view` with requests of a browser and of an attacker: addresses, requests, files and a search.
 
 use crate::cli::sandbox::*;
 use crate::cli::viewer::{HttpAnswer, Viewer};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::time::Duration;
 
-/// Returns a layout other than the start, with numbers that no rounding favours.
+/// Returns a layout other than the start layout, with numbers that are not round.
 fn elsewhere() -> Value {
     json!({ "equipment": {
         "worktable": { "x_mm": 287.3, "y_mm": 1003.7, "z_mm": 612.5, "yaw_deg": 11.3 },
@@ -32,14 +32,14 @@ fn view_refuses_requests_without_its_secret_host_and_origin() {
     let host = format!("Host: {ours}\r\n");
     assert_eq!(get(&format!("/{token}/"), &host), 200);
     assert_eq!(get(&format!("/{token}/"), &format!("Host: localhost:{port}\r\n")), 200);
-    // Without the token every request is refused, whatever else is right.
+    // Without the right token, every request is refused, even if the rest of the request is right.
     let wrong = token.chars().rev().collect::<String>();
     let short = &token[..31];
     for path in ["/", "/state", "//", &format!("/{wrong}/"), &format!("/{short}/state"), &format!("/{token}")]
     {
         assert_eq!(get(path, &host), 404, "{path}");
     }
-    // These are hosts of other people's pages.
+    // These hosts belong to foreign pages.
     for host in [
         "Host: evil.example\r\n".into(),
         format!("Host: evil.example:{port}\r\n"),
@@ -49,7 +49,7 @@ fn view_refuses_requests_without_its_secret_host_and_origin() {
     ] {
         assert_eq!(get(&format!("/{token}/state"), &host), 403, "{host}");
     }
-    // Requests that change something must come from our page.
+    // Requests that change something must come from the page that `view` serves.
     let post = |host: &str, origin: &str| view.raw(&view.posting("undo", "{}", host, origin)).status;
     assert_eq!(post(&ours, &origin), 200);
     for other in ["null", "http://evil.example", "https://127.0.0.1", &format!("{origin}.evil.example")] {
@@ -83,7 +83,7 @@ fn the_page_of_view_may_load_nothing() {
         assert!(one.head.contains(wanted), "{wanted}: {}", one.head);
     }
     assert!(!one.head.contains("unsafe"), "{}", one.head);
-    // Every script and style has the nonce, and nothing is fetched from elsewhere.
+    // Every script and style has the nonce, and the page fetches nothing from other addresses.
     let marked = format!("nonce=\"{}\"", nonce(&one));
     for tag in ["<script", "<style"] {
         for (at, _) in one.body.match_indices(tag) {
@@ -91,7 +91,8 @@ fn the_page_of_view_may_load_nothing() {
         }
     }
     assert!(!one.body.contains("src="), "something is fetched");
-    // A placeholder of the template is a name in double braces; a type in a comment of a script begins with a blank.
+    // A placeholder of the template is a name in double braces. In a comment of a script, a blank follows the
+    // braces.
     let is_placeholder = |(at, _): (usize, &str)| one.body[at + 2..].starts_with(|c: char| c.is_alphabetic());
     assert!(!one.body.match_indices("{{").any(is_placeholder), "a placeholder is left");
 }
@@ -130,7 +131,7 @@ fn the_value_of_a_layout_in_view_agrees_with_map() {
             }
         }
     }
-    // A try changes nothing. Coordinates fixed in the file can be tried, too.
+    // A trial evaluation changes nothing. Coordinates that the file fixes can also be tried.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
     shop.write(
         "cells/up.toml",
@@ -154,7 +155,7 @@ fn view_undoes_redoes_and_restores_a_page() {
     assert!(text(&one["what"]).contains("worktable y 1000 to 950 mm"), "{}", one["what"]);
     let all = [objective(&start), objective(&one), objective(&two)];
     assert!(all[0] != all[1] && all[1] != all[2]);
-    // A reload asks for the state of the server.
+    // A reload of the page requests the state from the server.
     let again = view.get("state").json()["now"].clone();
     assert_eq!(again, two);
     let back = view.done("undo", &json!({}));
@@ -167,7 +168,7 @@ fn view_undoes_redoes_and_restores_a_page() {
     );
     view.done("redo", &json!({}));
     assert_eq!(view.done("redo", &json!({}))["numbers"], two["numbers"]);
-    // A reset is a step like others. A new step forgets undone ones.
+    // A reset can be undone like any other step. A new step discards the undone steps.
     let reset = view.done("reset", &json!({}));
     assert_eq!((objective(&reset), &reset["undo"]), (all[0].clone(), &json!(3)));
     view.done("undo", &json!({}));
@@ -220,7 +221,7 @@ fn view_refuses_invalid_requests_with_a_message() {
     }
     view.refused("accept", "{}");
     let Viewer { port, token, .. } = &view;
-    // A request without a length or with a missing body is answered, and nobody else waits for it.
+    // A request without a length or with a missing body gets an answer, and no other request waits for it.
     let head = format!(
         "POST /{token}/layout HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
     );
@@ -229,7 +230,7 @@ fn view_refuses_invalid_requests_with_a_message() {
     slow.write_all(format!("{head}Content-Length: 5000\r\n\r\n{{").as_bytes()).unwrap();
     assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 413);
     assert_eq!(view.get("state").status, 200);
-    // After all that the layout is the start layout.
+    // After all these requests, the layout is still the start layout.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
 }
 
@@ -238,7 +239,7 @@ fn a_saved_layout_is_a_loadable_cell() {
     let shop = Sandbox::new();
     let view = Viewer::of(&shop, &[CELL]);
     view.done("layout", &elsewhere());
-    // A coordinate fixed in the file is in the saved file, too.
+    // The saved file also contains coordinates that the cell file fixes.
     view.done(
         "layout",
         &json!({ "equipment": { "conveyor": { "z_mm": 590.25 } }, "robot_base": { "z_mm": 1.5 } }),
@@ -252,7 +253,8 @@ fn a_saved_layout_is_a_loadable_cell() {
     assert_eq!(map["objective"], now["answer"]["objective"]);
     assert!(map["objective"].is_number());
     assert_eq!(map["operations"][0]["sense"], "xyz");
-    // Another file is only replaced on a second request, and the source of the layout never.
+    // Another existing file is replaced only on a second request. The source file of the layout is never
+    // replaced.
     let before = shop.read("cells/by_hand.toml");
     view.done("undo", &json!({}));
     let taken = view.post("save", "{\"name\":\"by_hand.toml\"}");
@@ -318,7 +320,7 @@ fn a_search_in_view_equals_the_search_command() {
     assert_eq!(began["search"]["budget"], 600);
     let search = ended(&view);
     assert!((number(&search["start"]) - number(&now["answer"]["objective"])).abs() < 1e-9, "{search}");
-    // A file that starts there gives the same search.
+    // A search of a file with this start layout gives the same result.
     let range = |min: f64, max: f64, start: f64| format!("{{ min = {min}, max = {max}, start = {start} }}");
     let from = format!(
         "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = {}\ny_mm = {}\nz_mm = {}\nyaw_deg = {}\n\
@@ -336,14 +338,14 @@ fn a_search_in_view_equals_the_search_command() {
     let best = number(&found["objective_mm"]);
     assert!((number(&search["best"]) - best).abs() < 1e-9, "{search} {best}");
     assert!(number(&search["gain_percent"]) > 0.0, "{search}");
-    // Accepting its layout is a step that can be undone.
+    // Accepting the layout of the search is a step that can be undone.
     let accepted = view.done("accept", &json!({}));
     assert!((number(&accepted["answer"]["objective"]) - best).abs() < 1e-9);
     assert_eq!(accepted["numbers"]["equipment"]["worktable"], found["layout"]["worktable"]);
     assert_eq!(view.done("undo", &json!({}))["numbers"], now["numbers"]);
 }
 
-/// Returns the search of a page when it is over.
+/// Waits for the end of the search and returns its state.
 fn ended(view: &Viewer) -> Value {
     for _ in 0..2400 {
         let search = view.get("pulse").json()["search"].clone();

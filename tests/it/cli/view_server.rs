@@ -1,4 +1,5 @@
-//! Tests the server of `view` against clients that exhaust it: connections, heads, bodies, time, process list.
+//! Tests the server of `view` against clients that exhaust connections, headers, bodies or time, and against
+//! other users who read the process list.
 
 use crate::cli::sandbox::*;
 use crate::cli::viewer::{Viewer, answered};
@@ -7,7 +8,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Waits until something holds; a hang is a failure.
+/// Waits until a condition holds. Fails if it takes too long.
 #[cfg(target_os = "linux")]
 fn wait_until(what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
@@ -17,23 +18,24 @@ fn wait_until(what: &str, holds: impl Fn() -> bool) {
     }
 }
 
-/// Returns the head of a POST without its length and end.
+/// Returns the header of a POST request without its length and its end.
 fn posting(view: &Viewer, what: &str) -> String {
     let Viewer { port, token, .. } = view;
     format!("POST /{token}/{what} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n")
 }
 
-/// Number of steps that can be undone, which a request sees only in the session that it belongs to.
+/// Returns the number of steps that can be undone. This number shows whether a request belongs to the
+/// session.
 fn undo(view: &Viewer) -> Value {
     view.get("now").json()["undo"].clone()
 }
 
-/// A move of the worktable within its range.
+/// Returns a move of the worktable within its range.
 fn moved() -> Value {
     json!({ "equipment": { "worktable": { "x_mm": 287.3 } } })
 }
 
-/// The shell bounds the files that the program may open.
+/// The shell limits the number of files that the program may open.
 #[cfg(target_os = "linux")]
 #[test]
 fn view_and_its_session_outlast_more_connections_than_open_files() {
@@ -47,7 +49,7 @@ fn view_and_its_session_outlast_more_connections_than_open_files() {
     let strangers: Vec<TcpStream> = (0..60).map(|_| view.stream()).collect();
     let failure = "could not be accepted";
     wait_until("a failure to accept", || view.talk().contains(failure));
-    // The files stay exhausted for many attempts.
+    // The program runs out of files during many attempts.
     std::thread::sleep(Duration::from_secs(1));
     drop(strangers);
     assert_eq!(undo(&view), json!(1));
@@ -55,7 +57,7 @@ fn view_and_its_session_outlast_more_connections_than_open_files() {
     assert!(view.talk().contains("Too many open files"), "{}", view.talk());
 }
 
-/// Number of files that a program has open, as the operating system counts them.
+/// Returns the number of open files of a program, as the operating system counts them.
 #[cfg(target_os = "linux")]
 fn open_files(view: &Viewer) -> usize {
     std::fs::read_dir(format!("/proc/{}/fd", view.child.id())).unwrap().count()
@@ -79,7 +81,7 @@ fn view_opens_at_most_64_connections() {
     wait_until("the end of all connections", || open_files(&view) <= before);
 }
 
-/// Largest memory that a program has used so far, kB.
+/// Returns the largest memory that a program has used so far, kB.
 #[cfg(target_os = "linux")]
 fn peak_memory(view: &Viewer) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", view.child.id())).unwrap();
@@ -105,16 +107,16 @@ fn a_head_without_end_costs_view_no_memory() {
     }
     let grown = peak_memory(&view) - before;
     assert!(grown < 8 << 10, "{grown} kB");
-    // A head may be short and still have too many headers.
+    // A short request can still have too many headers.
     let many = format!("GET / HTTP/1.1\r\n{}\r\n", "X: 1\r\n".repeat(200));
     assert_eq!(view.raw(&many).status, 431);
     assert_eq!(view.get("state").status, 200);
 }
 
-/// Reads until the server closes the connection; returns what it sent and when it closed.
+/// Reads until the server closes the connection. Returns the received bytes and the time until the end.
 fn closed(mut stream: TcpStream) -> (Vec<u8>, Duration) {
     let (began, mut bytes) = (Instant::now(), Vec::new());
-    // A connection that the server resets is closed, too.
+    // A connection that the server resets also counts as closed.
     match stream.read_to_end(&mut bytes) {
         Err(e) if e.kind() != std::io::ErrorKind::ConnectionReset => panic!("not closed: {e}"),
         _ => (bytes, began.elapsed()),
@@ -134,11 +136,11 @@ fn view_closes_connections_that_take_too_long() {
     let silent = sending("");
     let half_head = sending("GET / HTTP/1.1\r\nHost: ");
     let half_body = sending(&format!("{}Content-Length: 5000\r\n\r\n{{", posting(&view, "layout")));
-    // This client asks for the page often enough to fill every buffer, and reads nothing.
+    // This client requests the page so often that every buffer is full, but reads nothing.
     let ask = format!("GET /{token}/ HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n");
     let page = view.get("").body.len();
     let (greedy, began) = (sending(&ask.repeat(100)), Instant::now());
-    // One connection serves several requests, then idles.
+    // One connection handles several requests and is then idle.
     let mut idle = sending(&ask);
     assert_eq!(answered(&mut idle).body.len(), page);
     idle.write_all(ask.as_bytes()).unwrap();
@@ -155,7 +157,7 @@ fn view_closes_connections_that_take_too_long() {
         assert!(said.is_empty() || said.starts_with("HTTP/1.1 408"), "{name}: {said}");
         assert_eq!(said.is_empty(), name != "half a body", "{name}: {said}");
     }
-    // Buffers are full after some seconds, and the client then has 10 s.
+    // The buffers are full after some seconds. The server then waits 10 s for the client.
     std::thread::sleep(Duration::from_secs(20).saturating_sub(began.elapsed()));
     let (bytes, _) = closed(greedy);
     assert!(bytes.len() < 100 * page, "{} of {page} bytes a page", bytes.len());
@@ -180,7 +182,7 @@ fn view_refuses_a_stranger_before_the_body_arrives() {
     }
 }
 
-/// A body in chunks states no length.
+/// A chunked body does not state its length.
 #[test]
 fn view_bounds_a_body_of_unknown_length() {
     let shop = Sandbox::new();
@@ -234,7 +236,7 @@ fn view_does_nothing_on_a_body_that_does_not_fit_its_type() {
     assert_eq!(shop.files(""), before);
 }
 
-/// A fake `xdg-open` writes down what it is given.
+/// The test replaces `xdg-open` by a script that records its arguments.
 #[cfg(target_os = "linux")]
 #[test]
 fn view_hands_the_browser_no_secret_on_its_command_line() {
@@ -242,7 +244,8 @@ fn view_hands_the_browser_no_secret_on_its_command_line() {
     let shop = Sandbox::new();
     std::fs::create_dir(shop.path("bin")).unwrap();
     std::fs::create_dir(shop.path("temporary")).unwrap();
-    // The kernel shows these words to every user; the file is copied as the browser finds it.
+    // Every user can see the command line of a process. The script records it, and copies the file that the
+    // browser would open.
     let script = "#!/bin/sh\nstat -c %a \"$1\" > mode\ncp \"$1\" page\n\
                   tr '\\0' '\\n' < /proc/$$/cmdline > copy\nmv copy words\n";
     shop.write("bin/xdg-open", script);
@@ -260,7 +263,7 @@ fn view_hands_the_browser_no_secret_on_its_command_line() {
     let address = format!("http://127.0.0.1:{}/{}/", view.port, view.token);
     assert!(shop.text("page").contains(&format!("url={address}\"")), "{}", shop.text("page"));
     assert_eq!(shop.text("mode"), "600\n");
-    // The file ends with the session.
+    // The file is removed at the end of the session.
     assert_eq!(shop.files("temporary").len(), 1);
     let kill = std::process::Command::new("kill").args(["-INT", &view.child.id().to_string()]).status();
     assert!(kill.unwrap().success());

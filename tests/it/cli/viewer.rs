@@ -1,4 +1,4 @@
-//! Running `view` and its requests, as bytes on a socket.
+//! Process of `view`, and requests to it as bytes on a socket.
 
 use crate::cli::sandbox::*;
 use serde_json::Value;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Running `view` that ends with the test.
+/// Process of `view` that ends with the test.
 pub struct Viewer {
     pub child: Child,
     pub port: u16,
@@ -43,7 +43,7 @@ impl Viewer {
         Self::by(shop, shop.command(&[&["view"], args].concat()))
     }
 
-    /// Starts `view` by a command that ends in it.
+    /// Starts `view` with a given command.
     pub fn by(shop: &Sandbox, mut command: Command) -> Self {
         let talk = shop.path(".talk");
         let said = std::fs::File::create(&talk).unwrap();
@@ -64,12 +64,12 @@ impl Viewer {
 
     pub fn stream(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        // A hang is a failure, not a wait.
+        // If the server hangs, the test fails instead of waiting.
         stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
         stream
     }
 
-    /// Sends bytes unchanged.
+    /// Sends bytes unchanged and returns the answer.
     pub fn raw(&self, bytes: &str) -> HttpAnswer {
         let mut stream = self.stream();
         stream.write_all(bytes.as_bytes()).unwrap();
@@ -97,14 +97,14 @@ impl Viewer {
         )
     }
 
-    /// Posts and insists on success.
+    /// Sends a POST request and asserts success.
     pub fn done(&self, what: &str, body: &Value) -> Value {
         let answered = self.post(what, &body.to_string());
         assert_eq!(answered.status, 200, "{what}: {}", answered.body);
         answered.json()
     }
 
-    /// Posts, insists on a refusal and returns the message for the page.
+    /// Sends a POST request, asserts that it is refused, and returns the message for the page.
     pub fn refused(&self, what: &str, body: &str) -> String {
         let answered = self.post(what, body);
         assert_eq!(answered.status, 400, "{what} {body}: {}", answered.body);

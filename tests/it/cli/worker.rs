@@ -1,10 +1,10 @@
-//! Workers that run beside the test, and shared folders on a full disk or mounted read-only.
+//! Worker processes of tests, and tests of shared folders on a full or read-only disk.
 
 use crate::cli::sandbox::*;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Running worker. It is killed when the value is dropped.
+/// Worker process, which is killed when the value is dropped.
 pub struct Worker(Option<Child>);
 
 impl Worker {
@@ -49,7 +49,8 @@ pub fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// Runs a script in the sandbox that may mount file systems. Returns None where users may not mount.
+/// Runs a script in the sandbox that mounts file systems. Returns None if the system does not let users
+/// mount.
 #[cfg(unix)]
 fn mounted(shop: &Sandbox, script: &str) -> Option<RunOutput> {
     let mut command = Command::new("unshare");
@@ -58,8 +59,8 @@ fn mounted(shop: &Sandbox, script: &str) -> Option<RunOutput> {
     (ran.code != Some(77)).then_some(ran)
 }
 
-/// Insists that a worker on the folder `share` ends with exit code 3 and plain words if the disk is full or mounted
-/// read-only, and that it writes nothing then. `claims` is the folder of the claims, inside `share`.
+/// Asserts that a worker on the folder `share` ends with exit code 3 and a clear message if the disk is full
+/// or read-only. The worker must then write nothing. `claims` is the folder of the claims inside `share`.
 #[cfg(unix)]
 pub fn assert_no_room_exits_3(shop: &Sandbox, share: &str, claims: &str, worker: &[&str]) {
     let files = shop.files(share);

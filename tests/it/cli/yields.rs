@@ -1,8 +1,8 @@
-//! Tests the verdicts on statistical figures: the joint yield, and the same verdict in every command.
+//! Tests the verdicts on statistical figures: the joint yield, and equal verdicts of all commands.
 
 use crate::cli::sandbox::*;
 
-/// Flags of a statistical question with limits on both operations of the shipped cell.
+/// Options for the statistical reading, with a limit for both operations of the shipped cell.
 const QUESTION: [&str; 4] = ["--quantity", "p99", "--limit", "9"];
 
 #[test]
@@ -41,7 +41,7 @@ fn a_sum_of_percentiles_is_not_called_a_percentile() {
     assert!(note("Objective").contains("in each operation alone, 99 of 100 arms"), "{}", note("Objective"));
     assert!(note("Yield").contains("keep the limits of all operations"), "{}", note("Yield"));
     assert_eq!(verdict["cell_yield"], shop.json(&[&["map", CELL], &QUESTION[..]].concat())["cell_yield"]);
-    // The only operation of a cell has a percentile.
+    // For a cell with only one operation, the page states its percentile.
     let verdict = shop.json(&["report", PAPER, "--quantity", "p99"]);
     assert!(text(&verdict["headline"]).contains("; p99 of "), "{}", verdict["headline"]);
     let objective = items(&verdict["facts"]).iter().find(|f| f["label"] == "Objective").unwrap();

@@ -1,11 +1,11 @@
-//! Code blocks of a Markdown page: their info string, the commands in them, and what the page shows as output.
+//! Code blocks of a Markdown page: the info string, the commands, and the output that the page shows.
 
-/// Mark of lines that a page leaves out of an output.
+/// Mark for lines of an output that a page leaves out.
 pub const LEFT_OUT: &str = "[...]";
 
 /// Code block of a page.
 pub struct Block {
-    /// Line of the opening fence, from 1.
+    /// Line of the opening fence, counted from 1.
     pub line: usize,
     /// Parts of the info string: the language, then options such as `exit=1`.
     info: Vec<String>,
@@ -34,7 +34,8 @@ impl Block {
         self.info.iter().find_map(|part| part.strip_prefix(name)?.strip_prefix('='))
     }
 
-    /// Returns the commands of a block: lines after `$ `, continued while a line ends in a backslash.
+    /// Returns the commands of a block. A command begins after `$ ` and continues on the next line if a line
+    /// ends in a backslash.
     pub fn steps(&self) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::new();
         let mut goes_on = false;
@@ -51,7 +52,7 @@ impl Block {
 }
 
 impl Step {
-    /// Returns the words of the command without its comment, with quotes taken off.
+    /// Returns the words of the command without its comment and without quotation marks.
     pub fn words(&self) -> Vec<String> {
         let text: String =
             self.typed.iter().map(|line| line.trim_end_matches('\\').to_string() + " ").collect();

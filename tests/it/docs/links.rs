@@ -1,4 +1,5 @@
-//! Links of Markdown pages: every relative one must lead to a file, and to a heading if it names one.
+//! Links of Markdown pages: every relative link must lead to a file, and to a heading if the link names a
+//! heading.
 
 use super::blocks::without_blocks;
 use super::name;
@@ -12,7 +13,7 @@ pub fn targets(text: &str) -> impl Iterator<Item = String> {
     ends.into_iter().map(move |at| plain[at..].split(')').next().unwrap().trim().to_string())
 }
 
-/// Returns the code within the lines of a text without code blocks.
+/// Returns the inline code of a text without code blocks.
 pub fn code_spans(text: &str) -> impl Iterator<Item = String> {
     let paragraphs: Vec<String> = text.split("\n\n").map(str::to_string).collect();
     paragraphs.into_iter().flat_map(|paragraph| {
@@ -29,7 +30,7 @@ fn without_spans(text: &str) -> String {
     text.split("\n\n").map(|p| p.split('`').step_by(2).collect::<Vec<_>>().join("`") + "\n\n").collect()
 }
 
-/// Returns the anchor of a heading as mdBook and GitHub make it.
+/// Returns the anchor that mdBook and GitHub give to a heading.
 fn anchor(heading: &str) -> String {
     let heading = heading.trim().to_lowercase();
     let kept = heading.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
@@ -47,7 +48,7 @@ fn anchors(text: &str) -> Vec<String> {
     found
 }
 
-/// Returns what is wrong with the links of a page, and adds their number to `count`.
+/// Returns the faults of the links of a page, and adds the number of links to `count`.
 pub fn faults(page: &Path, count: &mut usize) -> Vec<String> {
     let text = std::fs::read_to_string(page).unwrap();
     let book = root().join("docs/src");

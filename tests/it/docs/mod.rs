@@ -1,8 +1,8 @@
-//! Tests of the book in docs/ and of README.md: every command in them runs, what they show is real, every link leads
-//! somewhere, and the generated pages are current.
+//! Tests the book in docs/ and README.md: every command runs, the shown output is real, every link leads to a
+//! target, and the generated pages are up to date.
 //!
-//! `SWEETSPOT_DOCS=write cargo test --test it docs::` runs every command again, writes what it prints into the pages,
-//! and remakes the pictures and the reference pages. `git diff` then shows what has changed.
+//! The command `SWEETSPOT_DOCS=write cargo test --test it docs::` runs every command again, writes the output
+//! into the pages, and remakes the pictures and the reference pages. `git diff` then shows the changes.
 
 mod blocks;
 mod links;
@@ -19,7 +19,7 @@ use std::sync::Mutex;
 /// Command that brings the book up to date.
 const REMAKE: &str = "remake with: SWEETSPOT_DOCS=write cargo test --test it docs::";
 
-/// Returns whether the tests write what they would otherwise check.
+/// Returns whether the tests write the files that they would otherwise check.
 fn writes() -> bool {
     std::env::var_os("SWEETSPOT_DOCS").is_some_and(|word| word == "write")
 }
@@ -50,7 +50,7 @@ fn name(path: &Path) -> String {
     path.strip_prefix(root()).unwrap().to_string_lossy().into_owned()
 }
 
-/// Writes a file of the book, or adds a fault if the file says something else.
+/// Writes a file of the book, or adds a fault if the file has another content.
 fn keep(path: &Path, text: &str, faults: &mut Vec<String>) {
     if writes() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();

@@ -1,5 +1,5 @@
-//! Reference pages of the book, made by the program: commands from their definitions, keys from the table of keys,
-//! documents from their schemas.
+//! Reference pages of the book, which the program generates: commands from their definitions, keys from the
+//! table of keys, and documents from their schemas.
 
 use crate::cli::sandbox::Sandbox;
 use std::collections::BTreeMap;

@@ -1,12 +1,12 @@
-//! Comparison of what a page shows with what a command prints. Numbers may differ by one unit of their last digit,
-//! because processors round differently; durations and sizes of files may differ by any amount.
+//! Comparison of the output on a page with the output of a command. Numbers may differ by one unit of their
+//! last digit, because processors round differently. Durations and sizes of files may differ by any amount.
 
 use std::path::Path;
 
 /// Largest share of the bytes of a picture that may differ by more than [`SHADE`].
 const MAX_SHARE: f64 = 0.01;
 
-/// Difference of a colour that nobody sees, of 255.
+/// Largest difference of a colour component (of 255) that is invisible.
 const SHADE: u8 = 8;
 
 /// Units after numbers that differ from run to run: durations and sizes of files.
@@ -15,7 +15,7 @@ const VARYING: [&str; 3] = ["s", "kB", "MB"];
 /// Mark that stands for a number.
 const NUMBER: char = '\u{1}';
 
-/// Returns a line with a mark for every number, and the numbers as printed.
+/// Returns a line with a mark in place of every number, and the numbers as printed.
 fn parted(line: &str) -> (String, Vec<String>) {
     let (mut text, mut numbers) = (String::new(), Vec::<String>::new());
     let mut before = ' ';
@@ -69,7 +69,7 @@ pub fn difference(shown: &[String], printed: &[String]) -> Option<String> {
     Some(format!("  the page: {}\n  printed:  {}", line(shown, at), line(printed, at)))
 }
 
-/// Returns how two pictures differ, if one sees it.
+/// Returns a description of the visible difference of two pictures; None if there is none.
 pub fn pictures(kept: &Path, made: &Path) -> Option<String> {
     if !kept.exists() {
         return Some("it is missing".into());

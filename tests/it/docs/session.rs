@@ -1,4 +1,5 @@
-//! Session of a reader who types every command of one page, in a scratch folder with the files of the project.
+//! Simulated session of a reader who types every command of one page, in a temporary folder with the files of
+//! the project.
 
 use super::blocks::{Block, LEFT_OUT, Step};
 use super::{name, same, writes};
@@ -12,10 +13,10 @@ use std::time::{Duration, Instant};
 /// Time within which a server must print its address.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Duration above which a command is named: the book must stay cheap to check.
+/// Duration above which a command is reported, so that the check of the book stays fast.
 const SLOW: Duration = Duration::from_secs(3);
 
-/// Scratch folder in which the commands of one page run, with the faults that were found.
+/// Temporary folder in which the commands of one page run, with the faults found.
 pub struct Session<'a> {
     page: &'a Path,
     sandbox: Sandbox,
@@ -44,7 +45,7 @@ impl<'a> Session<'a> {
         let is_run = block.language() == "console";
         let others = block.lines.iter().any(|line| line.trim_start_matches("$ ").starts_with("sweetspot "));
         if !is_run {
-            // The synopsis of the reference is `text`.
+            // The synopsis on a reference page has the language `text`.
             if others && block.language() != "text" {
                 self.fault(block, "commands of sweetspot belong in a block of the language console");
             }
@@ -128,7 +129,7 @@ impl<'a> Session<'a> {
         (code, text)
     }
 
-    /// Returns the lines of an output that a block shows, without what differs from run to run.
+    /// Returns the lines of an output that a block shows, without the parts that differ from run to run.
     fn excerpt(&self, block: &Block, text: &str) -> Vec<String> {
         let folder = self.sandbox.dir.path().to_string_lossy().into_owned();
         let own = text.replace(&folder, "$PWD").replace(env!("CARGO_BIN_EXE_sweetspot"), "sweetspot");
@@ -148,8 +149,8 @@ impl<'a> Session<'a> {
         shown
     }
 
-    /// Compares the pictures that a block makes with those of the book, or copies them there. `FILE@WORDS` is the chart
-    /// of a page whose label contains the words, joined by hyphens.
+    /// Compares the pictures that a block makes with the pictures of the book, or copies them there.
+    /// `FILE@WORDS` means the chart of a page whose label contains the words, which are joined by hyphens.
     fn check_pictures(&mut self, block: &Block) {
         for made in block.option("pictures").into_iter().flat_map(|files| files.split('+')) {
             let made = match made.split_once('@') {
@@ -168,7 +169,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Writes a chart of an HTML page to a file of its own, and returns the path.
+    /// Writes a chart of an HTML page to a separate file, and returns the path.
     fn chart(&self, page: &str, words: &str) -> PathBuf {
         let text = self.sandbox.text(page);
         let charts = text.split("<svg").skip(1).filter_map(|rest| rest.split_once("</svg>"));
@@ -185,7 +186,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Returns the smaller budget with which the commands of a block run when they are only checked.
+/// Returns the smaller budget with which the commands of a block run if the pages are only checked.
 fn cheaper(block: &Block) -> Option<&str> {
     block.option("budget").filter(|_| !writes())
 }

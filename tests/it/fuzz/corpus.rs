@@ -6,10 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use sweetspot::files::{FileKind, schema};
 
-/// Small mesh that stands for every mesh file: a tetrahedron.
+/// Small mesh that replaces every mesh file: a tetrahedron.
 pub const OBJ: &str = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-/// Small mesh that stands for every STL file: one triangle.
+/// Small mesh that replaces every STL file: one triangle.
 pub const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 0 100 0\nendloop\nendfacet\nendsolid a\n";
 
 /// Returns the bytes of the files of a folder whose names end in `end`, sorted by name.
@@ -20,12 +20,12 @@ pub fn files(folder: &str, end: &str) -> Vec<Vec<u8>> {
     wanted.map(|path| std::fs::read(path).unwrap()).collect()
 }
 
-/// Returns one seed of tests/fuzz.
+/// Returns the seed file `name` of tests/fuzz.
 pub fn seed(name: &str) -> Vec<u8> {
     std::fs::read(root().join("tests/fuzz").join(name)).unwrap()
 }
 
-/// Returns the files that cells may name, by their paths: those of cells/ and the parts of tests/broken.
+/// Returns the files that cells may name, by their paths: the files of cells/ and the parts of tests/broken.
 pub fn named_files() -> BTreeMap<String, Vec<u8>> {
     let mut all = BTreeMap::new();
     collect(&root().join("tests/broken"), "", &mut all);
@@ -104,7 +104,7 @@ pub fn words_of_json(documents: &[Vec<u8>]) -> Vec<String> {
     all.into_iter().filter(|word| word.len() < 80).collect()
 }
 
-/// Returns words as the owned texts of a target.
+/// Returns words as owned texts for a target.
 pub fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| word.to_string()).collect()
 }

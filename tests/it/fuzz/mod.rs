@@ -1,10 +1,12 @@
-//! Fuzzing of every parser: damaged and hostile inputs in-process, by seeded mutation of a corpus.
+//! Fuzzing of every parser in the test process, with damaged and hostile inputs from seeded mutation of a
+//! corpus.
 //!
-//! An input must never panic, take longer than [`LONGEST`] or allocate more than [`MOST_BYTES`], and whatever a
-//! parser accepts must keep the promise of its target. Inputs with a new kind of answer join the corpus of the
-//! run. The same seed and number give the same inputs. SWEETSPOT_FUZZ_INPUTS sets the number of inputs per
-//! parser, SWEETSPOT_FUZZ_SEED the seed. An input that fails is written to a file, which the message names. An
-//! overflow of the stack ends the process: SWEETSPOT_FUZZ_KEEP names a file for the input that is being tried.
+//! An input must never cause a panic, take longer than [`LONGEST`] or allocate more than [`MOST_BYTES`].
+//! Everything that a parser accepts must fulfil the checks of its target. Inputs with a new kind of answer
+//! join the corpus of the run. The same seed and number give the same inputs. SWEETSPOT_FUZZ_INPUTS sets the
+//! number of inputs per parser, and SWEETSPOT_FUZZ_SEED sets the seed. An input that fails is written to a
+//! file, which the message names. A stack overflow ends the process, so SWEETSPOT_FUZZ_KEEP can name a file
+//! to which each input is written before it is tried.
 
 mod corpus;
 mod mutation;
@@ -23,13 +25,13 @@ use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 use targets::Target;
 
-/// Longest processor time that one input may take.
+/// Largest processor time that one input may take.
 const LONGEST: Duration = Duration::from_secs(1);
 
 /// Time after which an input counts as an endless loop, and the test gives up.
 const ENDLESS: Duration = Duration::from_secs(60);
 
-/// Most memory that one input may hold at a time, bytes.
+/// Largest memory that one input may use at a time, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
 /// Largest number of inputs of a run that join its corpus.
@@ -44,15 +46,15 @@ struct Run {
     bytes: u64,
 }
 
-/// Returns a number from an environment variable, or a default.
+/// Returns the number in an environment variable, or the default.
 fn setting(name: &str, default: usize) -> usize {
     match std::env::var(name) {
-        Ok(word) => word.parse().unwrap_or_else(|_| panic!("{name} is {word:?}: write a whole number")),
+        Ok(word) => word.parse().unwrap_or_else(|_| panic!("{name} is {word:?}: set it to a whole number")),
         Err(_) => default,
     }
 }
 
-/// Fuzzes a parser; `default` inputs of all parsers together take about a minute of processor time.
+/// Fuzzes a parser with `default` inputs. All parsers together take about a minute of processor time.
 fn fuzz(make: fn() -> Target, default: usize) {
     let (inputs, seed) = (setting("SWEETSPOT_FUZZ_INPUTS", default), setting("SWEETSPOT_FUZZ_SEED", 14));
     let done = Arc::new(AtomicUsize::new(0));
@@ -103,7 +105,8 @@ fn run(target: &Target, inputs: usize, seed: u64, count: &AtomicUsize) -> (&'sta
     (target.name, run)
 }
 
-/// Gives one input to the parser and returns its answer; a broken promise ends the test.
+/// Gives one input to the parser and returns the answer. Fails if the input needs too much time or memory, or
+/// causes a panic.
 fn tried(target: &Target, input: &[u8], number: usize, run: &mut Run) -> Result<(), String> {
     let start = time_of_thread();
     let mut ended = None;
@@ -125,8 +128,8 @@ fn tried(target: &Target, input: &[u8], number: usize, run: &mut Run) -> Result<
     answer
 }
 
-/// Returns the processor time of this thread, so that a busy machine makes no input slow. Where the system does
-/// not tell it, returns the time since the first call.
+/// Returns the processor time of this thread, which does not depend on the load of the machine. If the system
+/// does not provide it, returns the time since the first call.
 fn time_of_thread() -> Duration {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();

@@ -1,4 +1,5 @@
-//! Mutation of inputs: bits, bytes, lines, tokens, numbers, pieces of two inputs, repetition and nesting.
+//! Mutation of inputs: changes of bits, bytes, lines, tokens and numbers, joined pieces of two inputs,
+//! repetition and nesting.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -10,7 +11,7 @@ const MAX_BYTES: usize = 1 << 18;
 /// Largest size of an input that joins the corpus, bytes.
 const MAX_KEPT_BYTES: usize = 1 << 13;
 
-/// Numbers at the ends of what types, formats and ranges can hold.
+/// Numbers at the limits of types, formats and ranges.
 const NUMBERS: [&str; 29] = [
     "nan",
     "-nan",
@@ -43,13 +44,13 @@ const NUMBERS: [&str; 29] = [
     "99999999999999999999999999999999999999999999",
 ];
 
-/// Whole numbers that a binary file may hold.
+/// Whole numbers that may occur in a binary file.
 const WORDS: [u32; 8] = [0, 1, 2, 0x7f80_0000, 0x7fc0_0000, 0xff80_0000, 0x7fff_ffff, u32::MAX];
 
 /// Bytes with a meaning in some format.
 const MARKS: &[u8] = b"\"'[]{}()<>/=.,:;#*\n\r\t \\\0\x1b\x7f\xff\xc3\xe2-+e_@%";
 
-/// Brackets that nest.
+/// Brackets that can be nested.
 const BRACKETS: [(&str, &str); 6] =
     [("[", "]"), ("{", "}"), ("{a=", "}"), ("{\"a\":", "}"), ("<a>", "</a>"), ("a.", "")];
 
@@ -68,14 +69,14 @@ impl Mutator {
         Self { pool: seeds.to_vec(), seeds: seeds.len(), words, rng: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// Adds an input to those that are mutated.
+    /// Adds an input to the pool, from which inputs are mutated.
     pub fn keep(&mut self, input: Vec<u8>) {
         if input.len() <= MAX_KEPT_BYTES {
             self.pool.push(input);
         }
     }
 
-    /// Returns an input of the pool with one to six changes, most often one or two.
+    /// Returns an input of the pool with one to six random changes, most often one or two.
     pub fn next_input(&mut self) -> Vec<u8> {
         let mut bytes = self.of_pool();
         let mut changes = 1;
@@ -89,7 +90,8 @@ impl Mutator {
         bytes
     }
 
-    /// Returns an input of the pool; every second one is a seed, because seeds are nearest to what is accepted.
+    /// Returns an input of the pool. With probability 1/2 or more it is a seed, because seeds are nearest to
+    /// accepted inputs.
     fn of_pool(&mut self) -> Vec<u8> {
         let from = if self.rng.random_bool(0.5) { &self.pool[..self.seeds] } else { &self.pool };
         from.choose(&mut self.rng).cloned().unwrap_or_default()
@@ -135,13 +137,13 @@ impl Mutator {
         NUMBERS[self.rng.random_range(0..NUMBERS.len())].into()
     }
 
-    /// Overwrites four bytes by a whole number or a float, as binary files hold them.
+    /// Overwrites four bytes with a whole number or a float in the form of binary files.
     fn overwrite_word(&mut self, bytes: &mut [u8], from: usize) {
         let word = WORDS[self.rng.random_range(0..WORDS.len())].to_le_bytes();
         bytes.iter_mut().skip(from).zip(word).for_each(|(byte, new)| *byte = new);
     }
 
-    /// Replaces the end of an input by the end of another one.
+    /// Replaces the end of an input by the end of another input.
     fn spliced(&mut self, bytes: &mut Vec<u8>, from: usize) {
         let other = self.of_pool();
         let start = self.rng.random_range(0..=other.len());
@@ -158,7 +160,7 @@ impl Mutator {
         drop(bytes.splice(from..from, piece));
     }
 
-    /// Puts nested brackets round the end of an input.
+    /// Puts nested brackets around the end of an input.
     fn nest(&mut self, bytes: &mut Vec<u8>, from: usize) {
         let (open, close) = BRACKETS[self.rng.random_range(0..BRACKETS.len())];
         let deepest = if self.rng.random_bool(0.05) { 3_000 } else { 100 };
@@ -168,7 +170,7 @@ impl Mutator {
         drop(bytes.splice(from..from, open.repeat(depth).into_bytes()));
     }
 
-    /// Removes, swaps or copies a line; a copied line may be of another input.
+    /// Removes, swaps or copies a line. A copied line may come from another input.
     fn lines(&mut self, bytes: &mut Vec<u8>) {
         let other = self.of_pool();
         let mut lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
@@ -198,7 +200,7 @@ impl Mutator {
         drop(bytes.splice(start..end, word));
     }
 
-    /// Replaces a number of an input by a hostile one, or by another small number.
+    /// Replaces a number of an input by a hostile number or by a small number.
     fn replace_number(&mut self, bytes: &mut Vec<u8>) {
         let in_number = |b: &u8| b.is_ascii_digit() || b"+-.eE".contains(b);
         let (from, _) = self.range(bytes, 1);

@@ -1,4 +1,5 @@
-//! Targets of the fuzzing: each parser with its seeds, its words, and what holds of everything it accepts.
+//! Targets of the fuzzing: each parser with its seeds, its words, and the checks of everything that it
+//! accepts.
 
 use super::corpus::{OBJ, STL, files, keys_and_words, named_files, seed, words, words_of_json};
 use crate::cli::sandbox::sha256;
@@ -17,10 +18,10 @@ use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::mesh::{Triangles, Vertices, from_obj, from_stl, solidity};
 use sweetspot::record::{ManifestDocument, SearchResult, SweepPlan, SweepRow};
 
-/// Parser of bytes; the error is the reason of a refusal.
+/// Parser of bytes. The error is the reason of a rejection.
 pub type Parse = dyn Fn(&[u8]) -> Result<(), String>;
 
-/// Parser with its seeds and words. The answer is the reason of a refusal.
+/// Parser with its seeds and words.
 pub struct Target {
     pub name: &'static str,
     pub seeds: Vec<Vec<u8>>,
@@ -31,7 +32,7 @@ pub struct Target {
 /// Largest number of nodes of an accepted cell that is also evaluated.
 const MAX_NODES: usize = 12;
 
-/// Checks that a refusal has an error, and that every fault can be shown and lies in its file.
+/// Checks that a rejection has an error, and that every fault can be displayed and lies in its file.
 fn checked<T>(result: Result<(T, Vec<Fault>), Vec<Fault>>, name: &str, input: &[u8]) -> Result<T, String> {
     let lines = input.split(|b| *b == b'\n').count();
     let (read, faults) = match result {
@@ -51,13 +52,13 @@ fn checked<T>(result: Result<(T, Vec<Fault>), Vec<Fault>>, name: &str, input: &[
     read.ok_or_else(|| faults.into_iter().find(Fault::is_error).map_or(String::new(), |fault| fault.message))
 }
 
-/// Evaluates an accepted cell of few nodes: every layout has a finite cost.
+/// Evaluates an accepted cell with few nodes, and checks that every layout has a finite cost.
 fn evaluated(cell: Cell) -> Result<(), String> {
     let nodes: usize = cell.operations.iter().map(|operation| operation.nodes()).sum();
     if nodes > MAX_NODES {
         return Ok(());
     }
-    // A robot that cannot hold the attitude is refused with a reason.
+    // If the robot cannot attain the attitude, the cell is refused with a reason.
     let workcell = Workcell::new(cell)?;
     let evaluation = evaluate(&workcell, &workcell.cell.start());
     assert!(evaluation.cost.is_finite(), "the cost is {}", evaluation.cost);
@@ -65,7 +66,7 @@ fn evaluated(cell: Cell) -> Result<(), String> {
     Ok(())
 }
 
-/// Loads a cell from bytes in memory; `named` gives the files that it names.
+/// Loads a cell from bytes in memory. `named` returns the files that the cell names.
 fn load_cell(
     bytes: &[u8],
     settings: &[Setting],
@@ -90,7 +91,8 @@ pub fn cell() -> Target {
     Target { name: "cell", seeds, words: keys_and_words(), parse: Box::new(parse) }
 }
 
-/// Loads a robot file from bytes in memory; the URDF that it names is `urdf`, and its meshes are [`OBJ`].
+/// Loads a robot file from bytes in memory. The URDF that the file names is `urdf`, and all meshes are
+/// [`OBJ`].
 fn load_robot(bytes: &[u8], urdf: &[u8], checks: (&str, &[u8])) -> Result<(), String> {
     let loaded = cell_files::load_robot("robot.toml", &mut |path| {
         let mesh = if path.to_ascii_lowercase().ends_with(".stl") { STL } else { OBJ };
@@ -173,7 +175,8 @@ pub fn urdf() -> Target {
     Target { name: "urdf", seeds, words, parse: Box::new(named) }
 }
 
-/// Checks what holds of every mesh that is read: finite vertices near by, and triangles of three of them.
+/// Checks properties of every mesh that is read: the vertices are finite and not far away, and each triangle
+/// has three of them.
 fn sound((vertices, mut triangles): (Vertices, Triangles)) -> Result<(), String> {
     assert!(vertices.iter().all(|v| v.iter().all(|c| c.abs() < 1e4)));
     let is_triangle = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
@@ -237,7 +240,7 @@ pub fn obj() -> Target {
 
 pub fn dxf() -> Target {
     let hall = std::fs::read(root().join("cells/equipment/hall.dxf")).unwrap();
-    // The entities come last; the tables before them hold only layers.
+    // The entities come last. The tables before them contain only layers.
     let start = hall.windows(6).position(|w| w == b"BLOCKS").unwrap() - 12;
     let small = [&b"0\nSECTION\n"[..], &hall[start..]].concat();
     let list = [
@@ -268,7 +271,7 @@ pub fn dxf() -> Target {
     Target { name: "dxf", seeds: vec![small], words: words(&list), parse: Box::new(parse) }
 }
 
-/// Returns the text of a sealed document: the hash of its last line is that of the text before it.
+/// Returns the text of a sealed document, whose last line contains the hash of the text before it.
 fn sealed(content: &[u8]) -> Vec<u8> {
     let text = content.trim_ascii_end();
     let text = text.strip_suffix(b"}").unwrap_or(text).trim_ascii_end();
@@ -276,17 +279,17 @@ fn sealed(content: &[u8]) -> Vec<u8> {
     [text, end.as_bytes()].concat()
 }
 
-/// Reads a sealed document as the program does; what is read can be written and read again.
+/// Reads a sealed document as the program does, and checks that the result can be written and read again.
 fn read_sealed<T: DeserializeOwned + Serialize>(input: &[u8]) -> Result<(), String> {
     let own = sealed(input);
     assert!(cli::unsealed(&own).is_some(), "a sealed text is not accepted");
-    // Only the seal of the very content is accepted.
+    // Only the seal of exactly this content is accepted.
     let given = cli::unsealed(input);
     assert!(given.is_none_or(|text| sealed(&text) == input), "a foreign seal is accepted");
     read_again::<T>(&cli::unsealed(&own).unwrap_or_default())
 }
 
-/// Reads a JSON document; what is read can be written and read again.
+/// Reads a JSON document, and checks that the result can be written and read again.
 fn read_again<T: DeserializeOwned + Serialize>(input: &[u8]) -> Result<(), String> {
     let document: T = serde_json::from_slice(input).map_err(|e| e.to_string())?;
     let text = serde_json::to_string(&document).unwrap();
@@ -324,7 +327,7 @@ pub fn search_result() -> Target {
 
 pub fn checkpoint() -> Target {
     of_json("checkpoint", vec![seed("checkpoint.json")], |input| {
-        // The first line holds the hash of the second one.
+        // The first line contains the hash of the second line.
         let content: Vec<u8> = input.iter().map(|b| if *b == b'\n' { b' ' } else { *b }).collect();
         let header = serde_json::json!({
             "schema": "sweetspot/checkpoint/1",
@@ -343,7 +346,8 @@ pub fn checkpoint() -> Target {
     })
 }
 
-/// Tables of measured positions: accepted numbers are finite, and every reflector has a name.
+/// Returns the target for tables of measured positions. Accepted numbers are finite, and every reflector has
+/// a name.
 pub fn measured_table() -> Target {
     let seeds = [
         "q1,q2,q3,q4,q5,q6,x,y,z\n1,2,3,4,5,6,100.5,200,300\n2,3,4,5,6,7,-1e2,2,3\n",
@@ -387,7 +391,7 @@ pub fn measured_table() -> Target {
     let parse = move |input: &[u8]| {
         let text = measured::decode(input)?;
         let read = measured::read("table.csv", &text, &joints, &[], None);
-        // A text of UTF-16 has other lines than its bytes.
+        // The lines of a UTF-16 text differ from the lines of its bytes.
         let table = checked(read.map(|table| (table, Vec::new())), "table.csv", text.as_bytes())?;
         for row in &table.rows {
             let numbers = row.numbers.joints.iter().chain(row.numbers.position.iter());
@@ -401,7 +405,8 @@ pub fn measured_table() -> Target {
     Target { name: "table of measured positions", seeds, words: words(&list), parse: Box::new(parse) }
 }
 
-/// YAML and configuration of Universal Robots: the first byte decides which of the two is read.
+/// Returns the target for YAML and configuration files of Universal Robots. The first byte decides which
+/// format is read.
 pub fn stated_calibration() -> Target {
     let mut yaml = String::from("kinematics:\n");
     for joint in ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"] {

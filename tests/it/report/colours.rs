@@ -2,7 +2,7 @@
 
 use sweetspot::colours::{viridis, viridis_hex};
 
-/// The palette grows lighter (luma of Rec. 709), as grey printers need it.
+/// The lightness of the palette (luma of Rec. 709) increases, which black-and-white printers need.
 #[test]
 fn the_viridis_palette_grows_lighter() {
     let luma = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);

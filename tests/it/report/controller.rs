@@ -1,14 +1,15 @@
-//! Round trips of the frames for robot controllers: the text is read back by the formula of each manufacturer.
+//! Tests round trips of the frames for robot controllers. The text is read back with the formula of each
+//! manufacturer.
 
 use nalgebra::{Matrix3, Vector3};
 use sweetspot::pose::Pose;
 use sweetspot::report::controller::{Controller, file};
 use sweetspot::report::layout_frames::{LayoutFrames, NamedFrame, SpotFrame};
 
-/// Largest error of a position, m, and of an element of a rotation matrix.
+/// Largest errors of a position (m) and of an element of a rotation matrix.
 const ERRORS: (f64, f64) = (6e-8, 2e-8);
 
-/// Returns the rotation about a coordinate axis, written out.
+/// Returns the rotation matrix about a coordinate axis.
 fn about(axis: usize, angle: f64) -> Matrix3<f64> {
     let (s, c) = angle.sin_cos();
     match axis {
@@ -18,7 +19,7 @@ fn about(axis: usize, angle: f64) -> Matrix3<f64> {
     }
 }
 
-/// Returns the rotation by a rotation vector: Rodrigues' formula.
+/// Returns the rotation by a rotation vector, by Rodrigues' formula.
 fn rodrigues(v: Vector3<f64>) -> Matrix3<f64> {
     let angle = v.norm();
     if angle == 0.0 {
@@ -28,7 +29,7 @@ fn rodrigues(v: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + k * angle.sin() + k * k * (1.0 - angle.cos())
 }
 
-/// Returns the matrix of a unit quaternion, written out.
+/// Returns the rotation matrix of a unit quaternion.
 fn of_quaternion([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         w * w + x * x - y * y - z * z,
@@ -69,14 +70,14 @@ fn read(controller: Controller, line: &str) -> Pose {
         }
         Controller::Fanuc => {
             let v = numbers(line.split_once("] X").unwrap().1);
-            // The axes are fixed, so the rotation that comes first stands on the right.
+            // The axes are fixed, so the first rotation is the rightmost factor.
             let [w, p, r] = [v[3], v[4], v[5]].map(f64::to_radians);
             Pose { translation: mm(&v), rotation: about(2, r) * about(1, p) * about(0, w) }
         }
     }
 }
 
-/// Returns rotations with all signs and sizes of angles, and those of gimbal lock and near it.
+/// Returns rotations with all signs and sizes of angles, including gimbal lock and angles near it.
 fn rotations() -> Vec<Matrix3<f64>> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut all = Vec::new();
@@ -87,7 +88,7 @@ fn rotations() -> Vec<Matrix3<f64>> {
             }
         }
     }
-    // Exact elements of -1, 0 and 1, as right angles give them.
+    // Right angles give matrices with the exact elements -1, 0 and 1.
     all.push(Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0));
     all.push(Matrix3::new(0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0));
     all.push(Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)));
@@ -99,7 +100,7 @@ fn far(a: &Pose, b: &Pose) -> (f64, f64) {
     ((a.translation - b.translation).amax(), (a.rotation - b.rotation).amax())
 }
 
-/// Returns frames whose equipment `k` has rotation `k`, with a spot on each; the base is turned and moved.
+/// Returns frames in which equipment `k` has rotation `k` and a spot. The base is rotated and displaced.
 fn frames() -> LayoutFrames {
     let base = Pose { rotation: about(2, 0.3), translation: Vector3::new(-0.5, 1.25, 0.8) };
     let turns = rotations();
@@ -147,7 +148,8 @@ fn every_pose_is_read_back_by_the_formula_of_the_controller() {
         let (works, spots) = (of(marks[0]), of(marks[1]));
         assert_eq!((works.len(), spots.len()), (count, count), "{controller:?}");
         for k in 0..count {
-            // The base frame is turned: expected poses are products of matrices, not of the exporter.
+            // The base frame is rotated. The expected poses are products of matrices, without code of the
+            // exporter.
             let inverse = Pose {
                 rotation: base.rotation.transpose(),
                 translation: -(base.rotation.transpose() * base.translation),

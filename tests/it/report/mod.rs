@@ -1,4 +1,4 @@
-//! Tests the formats of a report, each by itself.
+//! Tests each format of a report separately.
 
 mod colours;
 mod controller;

@@ -16,12 +16,12 @@ fn floats(value: &Value) -> Vec<f64> {
     bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap()))).collect()
 }
 
-/// Checks that two lengths (mm) are equal but for the rounding to f32.
+/// Checks that two lengths (mm) are equal, except for rounding to f32.
 fn same(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-3 || a.is_nan() && b.is_nan(), "{a} and {b}");
 }
 
-/// Returns a page that shows a document and nothing else, for people to look at.
+/// Returns a page that shows only a document, for inspection by people.
 fn page(document: &Value) -> String {
     let (css, js) = (assets::VIEWER_CSS, assets::viewer_js());
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'";
@@ -150,7 +150,7 @@ fn the_document_of_99_nodes_under_nine_lenses_is_small() {
     assert_eq!((drawing.fields[0].nodes.len(), drawing.lenses.len()), (99, 9));
     let document = report::json::drawings(&[drawing]);
     keep_to_look_at("sweetspot-viewer-paper.html", &page(&document));
-    // Two layouts share their meshes at best, and nothing else.
+    // Two layouts may share only their meshes.
     let bytes = document.to_string().len() + document["drawings"][0].to_string().len();
     assert!(bytes < 500_000, "{bytes} bytes");
 }
@@ -164,7 +164,7 @@ fn no_name_can_leave_its_script_element() {
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
 }
 
-/// An asset must not end its own element, nor request anything.
+/// An asset must not contain text that ends its element, and must not request anything.
 #[test]
 fn the_page_assets_stay_in_their_elements_and_request_nothing() {
     for text in [assets::viewer_js(), assets::VIEWER_CSS.to_string()] {
@@ -182,7 +182,7 @@ fn the_page_assets_stay_in_their_elements_and_request_nothing() {
         ] {
             assert!(!text.contains(word), "{word}");
         }
-        // The name of a markup language is no address.
+        // The namespace of SVG is not an address that is requested.
         assert_eq!(text.matches("http").count(), text.matches("http://www.w3.org/2000/svg").count());
     }
 }

@@ -1,11 +1,11 @@
-//! Tests the ACIS text of plane faces by a reader of its own that follows the pointers of the records.
+//! Tests the ACIS text of plane faces with an independent reader that follows the pointers of the records.
 
 use sweetspot::report::dxf::planar_face::planar_faces;
 
 /// Returns the corners (mm) of every loop of a scrambled ACIS text. Fails if a pointer leads to a wrong
 /// record.
 pub fn loops(scrambled: &[&str]) -> Vec<Vec<[f64; 3]>> {
-    // Every character above the space is mirrored about 79.5; the space after a caret is no character.
+    // Every character above the space is mirrored about 79.5. The space after a caret is not a character.
     let mirrored = |c: char| if c == ' ' { c } else { char::from(159 - c as u8) };
     let plain: Vec<String> =
         scrambled.iter().map(|line| line.replace("^ ", "^").chars().map(mirrored).collect()).collect();
@@ -65,7 +65,7 @@ pub fn loops(scrambled: &[&str]) -> Vec<Vec<[f64; 3]>> {
     }
 }
 
-/// Returns the signed area of a loop, mm2: positive if its corners run anticlockwise.
+/// Returns the signed area of a loop, mm^2, which is positive if the corners run anticlockwise.
 pub fn area(corners: &[[f64; 3]]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
@@ -77,7 +77,8 @@ fn square(x: f64, y: f64, side: f64) -> Vec<(f64, f64)> {
 
 #[test]
 fn faces_have_their_holes_and_islands_are_faces_of_their_own() {
-    // A square with a hole, an island in the hole, and a part beside them; the rings have both directions.
+    // The region is a square with a hole, an island in the hole, and a part beside the square. The rings have
+    // both directions.
     let mut apart = square(20.0, 0.0, 1.0);
     apart.reverse();
     let rings = [square(4.0, 4.0, 2.0), square(0.0, 0.0, 10.0), square(2.0, 2.0, 6.0), apart];

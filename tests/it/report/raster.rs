@@ -1,4 +1,4 @@
-//! Tests the pictures: triangles, cameras, letters, and their contents.
+//! Tests the pictures: triangles, cameras, letters, and contents.
 
 use crate::common::shipped as loaded;
 use nalgebra::{Point2, Vector3};
@@ -21,7 +21,7 @@ fn small() -> Shot {
     Shot { width: 200, height: 140, operation: Some(0), ..Shot::default() }
 }
 
-/// Returns width, height and pixels.
+/// Returns width, height and pixels of a PNG file.
 fn decoded(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = ::png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -35,8 +35,8 @@ fn seen(x: f64, y: f64, near: f64) -> ScreenPoint {
 
 #[test]
 fn a_triangle_covers_the_pixels_whose_centres_it_contains() {
-    // The triangle is half of a square of 8 by 8: row k has the centres left of 8 - k - 1/2. Centres on the
-    // line belong to one half.
+    // The triangle is half of a square of 8 by 8 samples. In row k, it covers the centres left of 8 - k -
+    // 1/2. Centres on the diagonal belong to only one half.
     let mut canvas = DepthBuffer::new(10, 10, 0u32);
     let (a, b, c, d) = (seen(0.0, 0.0, 1.0), seen(8.0, 0.0, 1.0), seen(0.0, 8.0, 1.0), seen(8.0, 8.0, 1.0));
     canvas.fill(&[a, b, c], false, |v, _| *v += 1);
@@ -69,7 +69,7 @@ fn a_triangle_fan_leaves_no_gap_and_no_overlap() {
 fn the_nearer_of_two_planes_wins_in_any_order() {
     let plane =
         |near: [f64; 3]| [seen(0.0, 0.0, near[0]), seen(20.0, 0.0, near[1]), seen(0.0, 20.0, near[2])];
-    // The planes cross at x = 10: left of it the first is nearer.
+    // The planes intersect at x = 10. On the left, the first plane is nearer.
     let (flat, tilted) = (plane([0.5; 3]), plane([0.0, 1.0, 0.0]));
     for order in [[0, 1], [1, 0]] {
         let mut canvas = DepthBuffer::new(20, 20, 9usize);
@@ -96,7 +96,8 @@ fn a_ball_is_rendered_as_a_disc_at_its_place() {
         }
         let covered: Vec<usize> = (0..canvas.value.len()).filter(|k| canvas.value[*k] == 1).collect();
         let count = covered.len() as f64;
-        // In parallel projection every silhouette is a circle of the ball's radius (32 corners here).
+        // In parallel projection, every silhouette is a circle with the radius of the ball (a polygon of 32
+        // corners here).
         let area = std::f64::consts::PI * (radius * camera.scale).powi(2);
         assert!((count / area - 1.0).abs() < 0.02, "{view:?}: {count} of {area}");
         let x = covered.iter().map(|k| (k % 240) as f64 + 0.5).sum::<f64>() / count;
@@ -133,7 +134,7 @@ fn every_printable_character_has_a_glyph_of_its_own() {
     for (k, glyph) in glyphs.iter().enumerate().skip(1) {
         assert!(!glyph.is_empty() && *glyph != unknown, "{}", k + 32);
         let other = (0..k).find(|o| glyphs[*o] == *glyph);
-        // A capital i, a bar and a small l are lines, but different ones.
+        // A capital i, a bar and a small l are lines, but they must differ.
         assert_eq!(other, None, "{} and {:?}", k + 32, other.map(|o| o + 32));
         let ink = glyph.iter().flatten();
         assert!(
@@ -150,7 +151,7 @@ fn a_text_is_as_wide_as_its_ink() {
         let ink = font::strokes(text, Default::default(), 18.0);
         let right = ink.iter().flatten().map(|p| p.x).fold(f64::MIN, f64::max);
         let width = font::width(text, 18.0);
-        // Round strokes end a little inside the box of their corners.
+        // Curved strokes end slightly inside the bounding box of their corners.
         assert!(width + 1e-9 >= right && width - right < 2.0, "{text}: {width} {right}");
         assert!((font::width(text, 9.0) * 2.0 - width).abs() < 1e-9);
     }
@@ -216,7 +217,7 @@ fn an_svg_is_well_formed_whatever_the_names() {
         let attributes = || all().flat_map(|n| n.attributes());
         assert!(!attributes().any(|a| a.name().starts_with("on") || a.name() == "style"));
         assert!(!svg.contains('\u{1b}'));
-        // Every visible node has a title: its value, or the reason for having none.
+        // Every visible node has a title: its value, or the reason why it has no value.
         let fields = drawing.fields.iter().flat_map(|f| &f.nodes).count();
         let titles = all().filter(|n| n.has_tag_name("title")).count() - 1;
         assert!(titles > fields / 2 && titles <= fields, "{titles} of {fields}");
@@ -224,7 +225,7 @@ fn an_svg_is_well_formed_whatever_the_names() {
     });
 }
 
-/// A table out of reach and a cell without operations are drawn.
+/// The pictures also show a table out of reach and a cell without operations.
 #[test]
 fn a_drawing_without_errors_is_rendered() {
     let mut cell = loaded("hitachi_paper.toml");
@@ -245,7 +246,7 @@ fn a_drawing_without_errors_is_rendered() {
 
 #[test]
 fn contour_tracing_keeps_areas_and_holes() {
-    // The area is 9 by 6 with a hole of 3 by 2, beside a spot too small to keep.
+    // The area is 9 by 6 cells with a hole of 3 by 2. A second area is too small to be kept.
     let mut values = vec![0u32; 20 * 12];
     for (x, y) in (3..12).flat_map(|x| (2..8).map(move |y| (x, y))) {
         values[y * 20 + x] = u32::from(!((5..8).contains(&x) && (4..6).contains(&y))) * 7;

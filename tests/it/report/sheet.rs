@@ -1,4 +1,4 @@
-//! Tests silhouettes of the drawing on paper.
+//! Tests the silhouettes of the drawing for paper.
 
 use nalgebra::{Vector2, Vector3};
 use sweetspot::cell::Shape;
@@ -22,7 +22,7 @@ fn the_silhouettes_of_a_box_and_a_bar_have_the_right_area() {
     assert_eq!(above.loops.len(), 1);
     assert!((area(&above) - 0.24).abs() < 1e-12 && above.edges.is_empty());
     assert!((above.depth - 3.0).abs() < 1e-12);
-    // Turned, the front shows two sides and the edge between them.
+    // After a rotation, the front view shows two sides and the edge between them.
     let front = silhouette(&mesh, &at, &FRONT);
     let wide = 0.6 * 0.5f64.cos() + 0.4 * 0.5f64.sin();
     assert!((area(&front) - wide * 0.3).abs() < 1e-12, "{}", area(&front));

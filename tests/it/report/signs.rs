@@ -1,4 +1,4 @@
-//! Signs of nodes: every picture and page says the same of a node.
+//! Tests that every picture and page describes a node in the same way.
 
 use crate::common::from_text;
 use std::collections::HashSet;
@@ -10,7 +10,7 @@ use sweetspot::raster::{Shot, isometric};
 use sweetspot::report;
 use sweetspot::report::page::assets;
 
-/// Calls back with a cell in which nodes are refused for a singularity alone.
+/// Calls `look` with a cell in which some nodes are unusable only because of a singularity.
 fn with_singular_nodes(look: impl FnOnce(&Assessment<'_>, &Drawing<'_>)) {
     let text = "schema = \"sweetspot/cell/1\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
                 from = \"wrist_cell.toml\"\ncollision = false\n[margins]\nsingularity = 0.2\n";
@@ -28,10 +28,10 @@ fn texts(svg: &str) -> HashSet<String> {
     all.filter_map(|n| n.text().map(str::to_string)).collect()
 }
 
-/// Signs in the legend of a picture.
+/// Returns the signs in the legend of a picture.
 fn legend_signs(svg: &str) -> HashSet<NodeSign> {
     let texts = texts(svg);
-    // Charts tell the number of nodes behind the label.
+    // Charts state the number of nodes after the label.
     let is_told = |label: &str| texts.iter().any(|t| t.split(" (").next() == Some(label));
     NodeSign::ALL.into_iter().filter(|sign| !sign.is_usable() && is_told(sign.label())).collect()
 }
@@ -64,7 +64,7 @@ fn the_pages_call_a_singular_node_singular_and_not_colliding() {
         let mut singular = [0, 0];
         for (k, all) in [fields, nodes.collect()].iter().enumerate() {
             for status in all.iter().flat_map(|f| f["status"].as_array().unwrap()) {
-                // The scripts look a status up in their table, which has no entry for "anything else".
+                // The scripts look up a status in their table, which has no default entry.
                 let label = table[status.as_str().unwrap()]["label"].as_str().unwrap();
                 assert!(["usable", "nearly singular", "out of reach"].contains(&label), "{label}");
                 singular[k] += usize::from(label == "nearly singular");
@@ -100,7 +100,7 @@ fn every_sign_is_told_by_its_own_label_in_every_picture_and_page() {
     });
 }
 
-/// The scripts draw and name a node by the table alone.
+/// The scripts use only the table to draw and name a node.
 #[test]
 fn the_scripts_hold_the_table_of_signs_and_no_words_of_their_own() {
     let table = format!("const NODE_SIGN_TABLE = {};", assets::node_signs());
@@ -121,7 +121,7 @@ fn the_scripts_hold_the_table_of_signs_and_no_words_of_their_own() {
     }
 }
 
-/// All signs at once fit into the legend, one beside or below the other.
+/// All signs fit into the legend at once, without overlap.
 #[test]
 fn the_legend_of_a_picture_has_room_for_every_sign() {
     with_singular_nodes(|a, _| {

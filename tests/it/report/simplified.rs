@@ -27,7 +27,7 @@ fn ball(n: usize) -> Mesh {
 fn a_fine_mesh_keeps_its_shape_with_fewer_triangles() {
     let (corners, triangles) = simplified(&ball(100));
     assert!((200..=1200).contains(&triangles.len()), "{}", triangles.len());
-    // Corners are means of corners of the ball, so they lie a little below its surface.
+    // The corners are means of corners of the ball, so they lie slightly below its surface.
     assert!(corners.iter().all(|p| p.norm() > 0.97 && p.norm() < 1.0 + 1e-9));
     let volume: f64 = triangles
         .iter()

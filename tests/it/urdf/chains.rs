@@ -1,4 +1,4 @@
-//! Tests the derived rows against the product of the URDF's own transforms.
+//! Tests the derived rows against the product of the transforms of the URDF.
 
 use crate::common::root;
 use crate::urdf::product::{apart, joints, load, poses};
@@ -18,7 +18,8 @@ fn robot_of(text: &str, axes: usize) -> Robot {
     load(text, axes, "").0.unwrap_or_else(|f| panic!("{f:#?}\n{text}")).cell.robot
 }
 
-/// Returns the largest distance of tip, joint frames and solids from the product over random postures.
+/// Returns the largest deviation of tip, joint frames and solids from the product of transforms over random
+/// postures.
 fn worst(text: &str, robot: &Robot, postures: usize, rng: &mut ChaCha8Rng) -> f64 {
     let (chain, joints) = (Chain::new(robot), joints(text));
     let moving: Vec<_> =
@@ -52,7 +53,7 @@ fn worst(text: &str, robot: &Robot, postures: usize, rng: &mut ChaCha8Rng) -> f6
 const SPHERE: &str =
     "<collision><origin xyz=\"0.1 -0.2 0.3\"/><geometry><sphere radius=\"0.05\"/></geometry></collision>";
 
-/// Returns links with a sphere each, and joints in series.
+/// Returns a URDF of links with one sphere each, joined in series.
 fn urdf(joints: &[String]) -> String {
     let mut text = "<robot name=\"random\">\n".to_string();
     for k in 0..=joints.len() {
@@ -78,8 +79,8 @@ fn random_vector(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0))
 }
 
-/// Returns a joint that is difficult to derive: the same line again, parallel and meeting axes, right angles,
-/// negative axes, and such relations hidden in a turned frame.
+/// Returns a joint whose row is difficult to derive: coincident, parallel and intersecting axes, right
+/// angles, negative axes, and such relations in a rotated frame.
 fn random_joint(rng: &mut ChaCha8Rng, fixed: f64, before: &mut Vector3<f64>) -> String {
     let xyz = match rng.random_range(0..4) {
         0 => Vector3::zeros(),
@@ -120,7 +121,7 @@ fn catalogue_robots_move_like_their_urdf() {
     }
 }
 
-/// The URDFs were written from catalogue rows, which come back with their signs.
+/// The URDFs were written from catalogue rows. The derived rows must equal them, including the signs.
 #[test]
 fn dh_rows_of_catalogue_robots_survive_urdf() {
     for (name, axes) in [("puma560", 6), ("ur5", 6)] {

@@ -1,4 +1,4 @@
-//! Tests the messages about a URDF that is wrong, unusual, or has unused elements.
+//! Tests the messages about a URDF that is wrong or unusual, or has unused elements.
 
 use crate::urdf::product::load;
 use sweetspot::cell::Shape;
@@ -29,7 +29,8 @@ fn faults(replace: &[(&str, &str)], lines: &str) -> Vec<Fault> {
     }
 }
 
-/// Asserts one error with its words, at a line where `word` starts.
+/// Asserts that there is one error with the given message and help, at the line and column where `word`
+/// starts.
 fn one(replace: &[(&str, &str)], (line, word): (usize, &str), message: &str, help: &str) {
     let faults = faults(replace, "");
     let [fault] = &faults[..] else { panic!("{faults:#?}") };
@@ -190,7 +191,8 @@ fn a_mimic_joint_follows_one_before_it() {
     let robot = load(&text, 2, "").0.unwrap().cell.robot;
     assert_eq!(robot.coupling, [[1.0, 0.0], [-0.5, 1.0]]);
     assert!(robot.joints[1].is_passive());
-    // At actuators 0 the second joint is where the URDF has it at 0.25, so the tip sinks.
+    // If all actuator coordinates are 0, the second joint has the coordinate 0.25 of the URDF, so the tip is
+    // lower.
     let chain = Chain::new(&robot);
     let mut q = [0.0; 8];
     for (first, bend) in [(0.0, 0.25), (1.0, -0.25)] {
@@ -214,7 +216,8 @@ fn unused_urdf_elements_are_reported_once() {
     assert_eq!((faults[0].message.as_str(), faults[0].severity), (told, Severity::Warning));
 }
 
-/// 1.5707 is not a right angle, and 1e-5 rad are not 0: the rows follow the file, with a warning.
+/// The angles 1.5707 (not a right angle) and 1e-5 rad (not 0) are used as the file states them, with a
+/// warning.
 #[test]
 fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
@@ -240,7 +243,7 @@ fn rows_and_urdf_exclude_each_other() {
     );
 }
 
-/// A mesh in mm moves with its link. A URDF in robots/ finds equipment/ beside its folder.
+/// A mesh in mm moves with its link. A URDF in robots/ can refer to the neighbouring folder equipment/.
 #[test]
 fn collision_meshes_are_read() {
     let mesh = "<mesh filename=\"../equipment/machine.stl\" scale=\"0.001 0.001 0.001\"/>";

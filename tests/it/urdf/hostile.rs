@@ -1,4 +1,4 @@
-//! Tests hostile URDFs: they are refused with a located message or read validly, in little memory, and only
+//! Tests hostile URDFs. They are refused with a located message or read validly, with little memory, and only
 //! named files are opened.
 
 use crate::common::root;
@@ -6,12 +6,13 @@ use crate::urdf::product::load;
 use std::collections::BTreeMap;
 use sweetspot::files::Fault;
 
-/// Returns a URDF with every element.
+/// Returns a valid URDF with every kind of element.
 fn good() -> String {
     std::fs::read_to_string(root().join("cells/robots/hitachi_pw10.urdf")).unwrap()
 }
 
-/// Loads a URDF of 4 axes, asserts what must hold of any text, and returns the faults.
+/// Loads a URDF with 4 axes, and asserts the properties that every text must have. Returns whether it was
+/// accepted, and the faults.
 fn tame(what: &str, urdf: &str) -> (bool, Vec<Fault>) {
     let mut loaded = None;
     let used = allocation_counter::measure(|| loaded = Some(load(urdf, 4, "tip_link = \"tool\"")));
@@ -42,7 +43,7 @@ fn the_valid_urdf_is_accepted() {
     assert!(taken && faults.is_empty(), "{faults:#?}");
 }
 
-/// A truncated file is no XML, until only trailing text is missing.
+/// A truncated file is not XML, unless only trailing text is missing.
 #[test]
 fn truncated_urdf_files_are_refused() {
     let good = good();
@@ -55,7 +56,7 @@ fn truncated_urdf_files_are_refused() {
     assert!(files >= 80, "{files}");
 }
 
-/// Any byte may be lost, doubled or changed: every outcome keeps the invariants.
+/// Any byte may be removed, doubled or changed. Every result keeps the invariants.
 #[test]
 fn mutated_urdf_files_never_panic() {
     let good = good();
@@ -198,8 +199,8 @@ fn hostile_urdf_files_are_refused_with_the_reason() {
     }
 }
 
-/// A file that the reader cannot give as text (other encodings, missing) is reported at the line that names
-/// it.
+/// A file that cannot be read as text, because it is missing or has another encoding, is reported at the line
+/// that names it.
 #[test]
 fn unreadable_files_are_reported_where_they_are_named() {
     let robot = "from = \"hitachi_paper.toml\"\n[robot]\nurdf = \"a.urdf\"\n";

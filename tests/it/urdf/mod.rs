@@ -1,5 +1,5 @@
 //! Tests robots from URDF files: the derived rows move like the URDF, the same robot gives the same map, and
-//! hostile files are refused.
+//! hostile files do no harm.
 
 mod chains;
 mod faults;

@@ -1,4 +1,4 @@
-//! Tests the import of a URDF that stands alone: right angles, the guessed tool, and the lean copy.
+//! Tests the import of a standalone URDF: right angles, the guessed tool, and the reduced copy.
 
 use crate::common::root;
 use crate::urdf::product::{apart, joints, load, poses};
@@ -11,7 +11,8 @@ fn outline(text: &str) -> UrdfOutline {
     urdf_outline("arm.urdf", text, None).unwrap_or_else(|faults| panic!("{faults:#?}")).0
 }
 
-/// Returns the number of angles that are read as right angles, for the angle of one joint.
+/// Returns the number of angles that are read as right angles, for a URDF in which one joint has the given
+/// angle.
 fn snapped(angle: &str) -> usize {
     let urdf = format!(
         "<robot name=\"a\"><link name=\"a\"/><link name=\"b\"/>\
@@ -22,7 +23,7 @@ fn snapped(angle: &str) -> usize {
     warnings.iter().filter(|warning| warning.message.contains("right angle")).count()
 }
 
-/// An angle is a right one if it is that angle rounded or cut off to the digits of the file.
+/// An angle is read as a right angle if it is a right angle rounded or truncated to the digits of the file.
 #[test]
 fn angles_that_plainly_mean_right_angles_are_read_so() {
     for meant in [
@@ -74,12 +75,12 @@ fn a_right_angle_gives_exact_rows() {
     assert_eq!(turns, [90.0, 0.0, 90.0, 90.0, 90.0, 0.0]);
 }
 
-/// Returns the lean copy of a URDF, without meshes.
+/// Returns the reduced copy of a URDF, without meshes.
 fn lean(text: &str) -> String {
     lean_urdf(text, &outline(text), &HashMap::new(), "Written by a test -- with dashes.").unwrap()
 }
 
-/// The copy moves as the original does, and has nothing to warn of.
+/// The reduced copy moves like the original, and gives no warning.
 #[test]
 fn the_lean_copy_moves_like_the_original() {
     for name in ["puma560", "ur5", "pw10"] {
@@ -103,7 +104,8 @@ fn the_lean_copy_moves_like_the_original() {
     }
 }
 
-/// Returns a chain of joints, each with its kind, child, origin and axis; the parent is the child before it.
+/// Returns the URDF of a chain of joints, each given by kind, child, origin and axis. The parent of a joint
+/// is the child of the previous joint.
 fn chain(parts: &[(&str, &str, &str, &str)]) -> String {
     let mut text = "<robot name=\"a\"><link name=\"base\"/>".to_string();
     let mut parent = "base";
@@ -130,7 +132,7 @@ fn the_tool_points_away_from_the_arm() {
         (found.tip_link.as_str(), found.joints, found.direction.as_slice()),
         ("d", 4, &[0.0, 0.0, -1.0][..])
     );
-    // The tool of a planar arm stands beside the axis of the last joint.
+    // The tool of a planar arm is beside the axis of the last joint.
     let planar = [
         ("revolute", "a", "0 0 0.4", "0 0 1"),
         ("revolute", "b", "0 0 0.1", "0 1 0"),
@@ -172,7 +174,7 @@ fn a_gripper_is_no_part_of_the_arm() {
         (found.tip_link.as_str(), found.joints, found.joints_off),
         ("palm", 4, vec!["f1".into(), "f2".into(), "f3".into()])
     );
-    // A bar of a parallelogram follows a joint before it, and the arm goes on.
+    // A bar of a parallelogram mimics an earlier joint. The main chain of the arm continues elsewhere.
     let bar =
         add(&[joint("roll", "palm", "flange", ""), joint("bar", "palm", "rod", "<mimic joint=\"to_b\"/>")]);
     let found = outline(&bar);

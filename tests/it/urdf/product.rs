@@ -1,4 +1,4 @@
-//! URDF read and multiplied here with quaternions, as the reference of the crate.
+//! Independent reader of URDF files that multiplies transforms with quaternions, as a reference.
 
 use crate::common::root;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -13,7 +13,7 @@ pub struct Joint {
     pub axis: Vector3<f64>,
 }
 
-/// Returns the joints of a text whose joints stand in the order of the chain.
+/// Returns the joints of a URDF text, which must be in the order of the chain.
 pub fn joints(text: &str) -> Vec<Joint> {
     let parts = text.split("<joint ").skip(1).map(|part| part.split("</joint>").next().unwrap());
     parts.map(joint).collect()
@@ -37,7 +37,7 @@ fn joint(part: &str) -> Joint {
     }
 }
 
-/// Returns the frame of every joint before its motion and that of its child link, in the base.
+/// Returns the frame of every joint before its motion and the frame of its child link, in the base frame.
 pub fn poses(joints: &[Joint], q: &[f64]) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
     let mut at = Isometry3::identity();
     let mut q = q.iter();
@@ -55,13 +55,14 @@ pub fn poses(joints: &[Joint], q: &[f64]) -> Vec<(Isometry3<f64>, Isometry3<f64>
     joints.iter().map(&mut next).collect()
 }
 
-/// Returns how far two poses are apart: m, and entries of the rotation.
+/// Returns the largest difference of two poses, in position (m) and in elements of the rotation matrix.
 pub fn apart(ours: &Pose, theirs: &Isometry3<f64>) -> f64 {
     let turn = ours.rotation - theirs.rotation.to_rotation_matrix().into_inner();
     (ours.translation - theirs.translation.vector).norm().max(turn.amax())
 }
 
-/// Loads a cell with a robot of this URDF and `lines` of the robot file. Returns the requested paths, too.
+/// Loads a cell with a robot of this URDF and the lines `lines` of the robot file. Also returns the requested
+/// paths.
 pub fn load(urdf: &str, axes: usize, lines: &str) -> (Result<Loaded, Vec<Fault>>, Vec<String>) {
     let zeros = format!("{:?}", vec![0.0; axes]);
     let robot = format!(

@@ -1,4 +1,4 @@
-//! Tests the shipped robot from its URDF and from its D-H rows: rows and maps are equal.
+//! Tests that the shipped robot has equal rows and maps from its URDF and from its D-H rows.
 
 use crate::common::{load_from, root, shipped};
 use sweetspot::cell::Cell;
