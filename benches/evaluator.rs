@@ -28,7 +28,7 @@ const ROUNDS: usize = 5;
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
 fn main() {
-    // cargo passes flags of its own, which begin with `--`.
+    // Cargo also passes its own flags, which begin with `--`.
     let given = std::env::args().skip(1).find(|word| !word.starts_with("--"));
     let file = PathBuf::from(given.unwrap_or_else(|| "cells/hitachi_cell.toml".into()));
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -105,8 +105,8 @@ fn ur5(c: &mut Criterion) {
 
 /// Measures arms without a closed form: the rows of the named arms, disturbed by up to `size` (rad and m).
 ///
-/// With small disturbances, Newton's method refines the closed form. With large ones, only the elimination for
-/// general arms is left. About half of the poses are then out of reach.
+/// With small disturbances, Newton's method refines the closed form. With large disturbances, only the
+/// elimination for general arms can be used. About half of the poses are then out of reach.
 fn disturbed(c: &mut Criterion) {
     for (name, data) in [("puma560.toml", "b_puma560_T.bin"), ("ur5.toml", "b_ur5_T.bin")] {
         let poses = poses(data);

@@ -98,9 +98,9 @@ impl Data {
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
-    /// Prints, for every series but `without`, medians over the results. The figures are the mean error
-    /// of the predictions in mm, and the share of positions inside the 95 % ellipsoids in percent, with
-    /// the least and the greatest share.
+    /// Prints, for every series except `without`, medians over the results. The figures are the mean error of
+    /// the predictions in mm, and the share of positions inside the 95 % ellipsoids in percent, with the
+    /// least and the greatest share.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
         for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
             let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));
@@ -145,7 +145,7 @@ struct Terms {
     is_elastic: bool,
     /// Largest order of the harmonics; 0 for no harmonics.
     orders: usize,
-    /// Factor by which the prior standard deviations of all unknowns but harmonics are multiplied.
+    /// Factor by which the prior standard deviations of all unknowns except harmonics are multiplied.
     prior_factor: f64,
 }
 

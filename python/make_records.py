@@ -1,7 +1,7 @@
 """Writes package/sweetspot/records.py, the typed classes of all documents, from their JSON Schemas:
 
     python python/make_records.py           writes the file
-    python python/make_records.py --check   fails if the file is not what the schemas say
+    python python/make_records.py --check   fails if the file does not agree with the schemas
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ SCHEMAS = HERE.parent / "cells" / "schemas"
 TARGET = HERE / "package" / "sweetspot" / "records.py"
 INPUTS = {"cell", "equipment", "robot", "tool"}
 
-# The nodes of a map are its table, so the record has none.
+# The nodes of a map are in its table, so the record leaves them out.
 LEFT_OUT = {("OperationMapEntry", "nodes")}
 
 HEAD = '''"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, unless a name says otherwise.

@@ -1,4 +1,4 @@
-//! Cells whose free coordinates are fixed at a layout, such as the best one of a search.
+//! Cells whose free coordinates are fixed at a layout, such as the best layout of a search.
 
 use crate::cell::{Cell, CellOrigin};
 use pyo3::prelude::*;
@@ -20,10 +20,11 @@ fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
     name
 }
 
-/// Returns a cell whose start is this layout of `cell`. The text of its file begins with `comment`.
+/// Returns a cell whose start layout is the layout `layout` of `cell`. The text of its file begins with
+/// `comment`.
 ///
-/// The cell is read from the text that `sweetspot search` would write into a layout file, so all numbers
-/// are the same bit for bit.
+/// The cell is read from the text that `sweetspot search` would write into a layout file, so all numbers are
+/// equal, bit for bit.
 pub fn at_layout(py: Python<'_>, cell: &Cell, layout: &Layout, name: &str, comment: &str) -> PyResult<Cell> {
     let file = cell.origin.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let lines: Vec<String> =

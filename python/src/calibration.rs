@@ -48,7 +48,7 @@ impl Errors {
 }
 
 impl Errors {
-    /// Reads the table `errors.NAME` of a text that has no other table of errors.
+    /// Reads the table `errors.NAME` from a text that has no other table of errors.
     fn new(toml: String) -> Result<Self, String> {
         let table: toml::Table = toml.parse().map_err(|e: toml::de::Error| e.to_string())?;
         let sets = table.get("errors").and_then(toml::Value::as_table);
@@ -100,10 +100,10 @@ fn pairs<'py>(test: &Bound<'py, PyAny>) -> PyResult<Vec<Session<'py>>> {
 
 /// Identifies the kinematic errors of a robot from measured positions of its tool.
 ///
-/// `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` has the positions
-/// (n, 3) or the poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the
-/// standard deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part
-/// of the fit.
+/// `q` contains the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` contains the
+/// positions (n, 3) or the poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`.
+/// `sigma` is the standard deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured)
+/// that is not part of the fit.
 ///
 /// `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic
 /// errors of the revolute joints up to this order.

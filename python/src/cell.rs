@@ -101,7 +101,7 @@ impl Cell {
 
 #[pymethods]
 impl Cell {
-    /// Reads a cell file and everything that it refers to.
+    /// Reads a cell file and all files to which it refers.
     #[staticmethod]
     #[pyo3(signature = (path, *, packages=None))]
     fn read(py: Python<'_>, path: PathBuf, packages: Option<Vec<(String, PathBuf)>>) -> PyResult<Self> {
@@ -110,7 +110,7 @@ impl Cell {
         Self::new(py, Arc::new(origin), Vec::new())
     }
 
-    /// Reads a cell from the text of a cell file; the files that it refers to are in `folder`.
+    /// Reads a cell from the text of a cell file. The files to which the text refers are in `folder`.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder=None, name="cell.toml", packages=None))]
     fn from_text(
@@ -153,7 +153,7 @@ impl Cell {
 
     /// Maps the error over the surface of an operation, or of all operations.
     ///
-    /// `senses="own"` leaves out the figures in all senses but that of the operation. The map is then
+    /// `senses="own"` leaves out the figures in all senses except the sense of the operation. The map is then
     /// computed several times faster, and takes half the memory.
     #[pyo3(signature = (operation=None, *, senses="all", **question))]
     fn map(
@@ -243,7 +243,7 @@ impl Cell {
         records::object(py, "RobustDocument", &document)
     }
 
-    /// Writes one HTML page about the layout as drawn, and returns the verdict. An existing page is replaced.
+    /// Writes one HTML page about the start layout, and returns the verdict. An existing page is replaced.
     fn report<'py>(&self, py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         page::written(py, &path, page::of_cell(py, self)?)
     }

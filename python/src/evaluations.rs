@@ -86,7 +86,7 @@ impl Evaluations {
         PyArray1::from_iter(py, all).reshape([self.rows.len(), self.operations.len()])
     }
 
-    /// Reasons why each layout is not feasible; None without `reasons=True`.
+    /// Reasons why each layout is not feasible; None unless `reasons=True`.
     #[getter]
     fn reasons(&self) -> Option<Vec<Vec<String>>> {
         self.has_reasons.then(|| self.rows.iter().map(|row| row.reasons.clone()).collect())

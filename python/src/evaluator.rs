@@ -151,7 +151,7 @@ impl Evaluator {
         self.free().len()
     }
 
-    /// Path of every free coordinate in the cell file, as `Cell.with_` takes it.
+    /// Path of every free coordinate in the cell file, in the form that `Cell.with_` accepts.
     #[getter]
     fn names(&self) -> Vec<String> {
         let cell = &self.workcell.cell;
@@ -189,7 +189,7 @@ impl Evaluator {
         matrix(py, self.free().into_iter().map(bound).collect(), 2)
     }
 
-    /// Point of the unit cube for the layout as drawn.
+    /// Point of the unit cube for the start layout.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, SearchSpace::new(&self.workcell.cell).start())

@@ -1,4 +1,4 @@
-//! Long work that does not hold the lock of the interpreter, and that Ctrl-C ends.
+//! Long work that runs without the interpreter lock and that Ctrl-C ends.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,9 +15,9 @@ pub struct Worked<T> {
     pub interrupted: Option<PyErr>,
 }
 
-/// Runs `work` in another thread without the interpreter lock. If a signal such as Ctrl-C arrives, the
-/// flag that `work` receives is set, so that `work` can end early. `tick` runs with the lock after each
-/// check for a signal; an exception of `tick` sets the flag, too.
+/// Runs `work` in another thread without the interpreter lock. If a signal such as Ctrl-C arrives, the flag
+/// that `work` receives is set, so that `work` can end early. `tick` runs with the lock after each check for
+/// a signal; an exception of `tick` also sets the flag.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,

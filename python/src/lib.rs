@@ -1,9 +1,9 @@
-//! Native half of the Python package `sweetspot`: classes that wrap the library, without logic of their own.
+//! Native half of the Python package `sweetspot`: classes that only wrap the library.
 //!
-//! Every result is a record of the library, so the numbers of a result are bit for bit those that the
-//! commands print. `records` converts records to typed objects of `sweetspot.records`, `table` passes
-//! tables to Arrow, and `evaluator` passes layouts and costs to numpy. Long work runs without the
-//! interpreter lock (`interrupt`).
+//! Every result is a record of the library, so the numbers of a result equal the numbers that the commands
+//! print, bit for bit. `records` converts records to typed objects of `sweetspot.records`, `table` passes
+//! tables to Arrow, and `evaluator` passes layouts and costs to numpy. Long work runs without the interpreter
+//! lock (`interrupt`).
 
 mod at_layout;
 mod calibration;

@@ -15,7 +15,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::record::{MapDocument, MapNodes};
 use sweetspot::report;
 
-/// Error map of the layout as drawn: a table of nodes, a record and a picture.
+/// Error map of the start layout of a cell: a table of nodes, a record and a picture.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct Map {
     nodes: RecordBatch,

@@ -1,8 +1,8 @@
 //! Columns of the nodes of a map.
 //!
-//! The table has the columns of map.csv that hold a value at one node at least, except the columns of
-//! the refined spot, which is not a node. The figures in the sense of the operation itself have names
-//! without the sense: `p95_mm` beside `p95_xy_mm`.
+//! The table has the columns of map.csv that have a value for at least one node, except the columns of the
+//! refined spot, which is not a node. The figures in the sense of the operation itself have names without the
+//! sense: `p95_mm` beside `p95_xy_mm`.
 
 use crate::table::table;
 use arrow_array::builder::{BooleanBuilder, PrimitiveBuilder, StringDictionaryBuilder};
@@ -17,7 +17,7 @@ use sweetspot::record::{
 /// Figures that the table has for every sense.
 const FIGURES: [&str; 5] = ["worst", "rms", "mean", "p95", "p99"];
 
-/// Column that grows row by row; a column without values takes no memory.
+/// Column that grows row by row. A column without values needs no memory.
 enum Column {
     Text(StringDictionaryBuilder<Int32Type>),
     Count(PrimitiveBuilder<UInt32Type>),

@@ -22,7 +22,7 @@ pub struct Page {
     verdict: VerdictDocument,
 }
 
-/// Makes the page about a cell as drawn.
+/// Makes the page about the start layout of a cell.
 pub fn of_cell(py: Python<'_>, cell: &Cell) -> PyResult<Page> {
     page(py, cell, None, &[])
 }
@@ -32,7 +32,7 @@ pub fn of_search(py: Python<'_>, search: &Search) -> PyResult<Page> {
     page(py, &search.cell, Some(search), &[])
 }
 
-/// Makes the page about a cell as drawn for a notebook, with few details in its 3-D view.
+/// Makes the page about the start layout of a cell for a notebook, with few details in its 3-D view.
 pub fn plain_of_cell(py: Python<'_>, cell: &Cell) -> PyResult<String> {
     Ok(page(py, cell, None, &[Detail { nodes: 400, ..Detail::PLAIN }])?.html)
 }

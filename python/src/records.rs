@@ -27,8 +27,7 @@ pub fn of_json<'py>(py: Python<'py>, class: &str, text: &str) -> PyResult<Bound<
     py.import("sweetspot.records")?.getattr(class)?.call_method1("from_json", (text,))
 }
 
-/// Compares the layouts of cells as drawn and the best layouts of searches. The first layout is the
-/// reference.
+/// Compares the start layouts of cells and the best layouts of searches. The first layout is the reference.
 #[pyfunction]
 #[pyo3(signature = (*layouts, names=None))]
 pub fn compare<'py>(

@@ -115,13 +115,13 @@ impl Search {
         self.result.unit.word()
     }
 
-    /// Proven lower bound of the objective of every layout, in `unit`; None if nothing is proven.
+    /// Proven lower bound of the objective of every layout, in `unit`; None if no bound is proven.
     #[getter]
     fn bound(&self) -> Option<f64> {
         self.result.bound
     }
 
-    /// Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None without a
+    /// Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None if there is no
     /// bound.
     #[getter]
     fn gap(&self) -> Option<f64> {
@@ -134,7 +134,7 @@ impl Search {
         self.best_cell(py)
     }
 
-    /// Cells at the layouts of `front`, in the same order; empty without `pareto` and `keep`.
+    /// Cells at the layouts of `front`, in the same order; empty if neither `pareto` nor `keep` is used.
     #[getter]
     fn cells(&self, py: Python<'_>) -> PyResult<Vec<Cell>> {
         let count = self.layouts.len();
@@ -173,7 +173,7 @@ impl Search {
         self.document.getattr(py, "operations")
     }
 
-    /// Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None without these two settings.
+    /// Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None if neither setting is used.
     #[getter]
     fn front(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "front")

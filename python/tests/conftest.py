@@ -1,4 +1,4 @@
-"""Paths, and the program beside which the package is tested."""
+"""Paths, and the program with which the package is compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calibration from arrays, compared with the command that reads a table of the same measurements."""
+"""Tests the calibration from arrays against the command, which reads a table of the same measurements."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_sessions_give_the_parameters_of_the_command_with_several_files(tmp_path
         assert (ours.name, ours.value) == (theirs["name"], pytest.approx(theirs["value"], abs=1e-6))
     assert [s.poses for s in made.document.sessions] == [120, 120]
     assert [t.file for t in made.document.tests] == ["test 1", "test 2"]
-    # Every session has a frame of the instrument of its own.
+    # Every session has a different frame of the instrument.
     xyz[1] = xyz[1].copy()
     xyz[1][:, :3, 3] += [100, -50, 20]
     moved = ss.calibrate(robot, q, xyz, unit="mm")

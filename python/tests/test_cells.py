@@ -1,4 +1,4 @@
-"""Cells: reading, settings, faults, pickles."""
+"""Tests cells: reading, settings, faults and pickles."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_faults_are_those_of_the_command(file: str, command: Run) -> None:
     else:
         fields = ("severity", "file", "line", "column", "message", "help")
         told = [{name: getattr(fault, name) for name in fields} for fault in faults]
-        # A robot that cannot hold an attitude is found when the cell is prepared.
+        # Only the preparation of the cell detects that the robot cannot attain an attitude.
         assert told == said["faults"] or all(f["line"] == 1 for f in said["faults"])
 
 

@@ -1,4 +1,4 @@
-"""The recipe for office machines in README.md, with two workers, one of which is killed."""
+"""Tests the section "Office machines" of README.md with two workers, one of which is killed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_the_recipe_survives_a_killed_worker(monkeypatch: pytest.MonkeyPatch) ->
             killed: list[float] = []
 
             def kill() -> None:
-                # After the first results, while the other searches run.
+                # The worker is killed after the first results, while the other searches run.
                 time.sleep(0.7)
                 os.kill(pids[0], signal.SIGKILL)
                 killed.append(time.monotonic())

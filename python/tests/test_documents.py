@@ -19,7 +19,7 @@ SMALL = ["hitachi_cell", "hitachi_paper", "scara_cell"]
 
 
 def without(document: Any, *keys: str) -> Any:
-    """Returns a document without keys at any depth."""
+    """Returns a document without the given keys, at any depth."""
     if isinstance(document, dict):
         return {k: without(v, *keys) for k, v in document.items() if k not in keys}
     return [without(v, *keys) for v in document] if isinstance(document, list) else document
@@ -70,7 +70,7 @@ def test_searches(command: Run, tmp_path: Any) -> None:
         "cell": search.cell.name
     }
     assert len(search.cells) == len(said["front"])
-    # A search from the best layout of another search, with settings that no layout file states.
+    # This search starts at the best layout of another search, with settings that no layout file states.
     ranged = search.cell.with_({"equipment.worktable.placement.x_mm": {"min": -900, "max": 900}, "guard_percent": 2})
     again = ranged.search(seed=1, budget=200)
     assert again.cell.map().objective == again.objective and ss.evaluator(again.cell).dim == 0

@@ -1,4 +1,4 @@
-"""The function from layouts to costs."""
+"""Tests the function from layouts to costs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_costs_have_the_bits_of_the_command(name: str, command: Run) -> None:
     evaluated = f.evaluate(layouts, reasons=True)
     assert f(best)[0] == found.objective
     for k, values in enumerate(f.to_units(layouts)):
-        # The layout as drawn is at the starts of the ranges; repr() of a float states its bits.
+        # The command maps the layout at the starts of the ranges. The repr() of a float is exact.
         ranges = [f"{{ min = {a!r}, max = {b!r}, start = {v!r} }}" for (a, b), v in zip(f.bounds.tolist(), values.tolist())]
         sets = [word for path, range in zip(f.names, ranges) for word in ("--set", f"{path}={range}")]
         said = command("map", path, "--json", *sets)
@@ -44,7 +44,7 @@ def test_costs_have_the_bits_of_the_command(name: str, command: Run) -> None:
 
 
 def _value(found: ss.Search, path: str) -> float:
-    """Returns the coordinate with this path of the best layout."""
+    """Returns the coordinate of the best layout with this path."""
     kind, name, *_, key = path.split(".")
     assert kind == "equipment"
     return float(getattr(found.layout[name], key))

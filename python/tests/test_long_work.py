@@ -1,4 +1,4 @@
-"""Long work: Ctrl-C, progress, the interpreter lock."""
+"""Tests long work: Ctrl-C, progress, and the interpreter lock."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_other_threads_run_meanwhile() -> None:
     counted = ticks[0] - began
     over.set()
     thread.join()
-    # With the lock held, the other thread would not count at all.
+    # If the lock were held, the other thread would not count at all.
     assert counted > 10
 
 

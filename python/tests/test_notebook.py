@@ -1,4 +1,4 @@
-"""The notebook of the documentation, cell by cell, without a notebook server."""
+"""Runs the notebook of the documentation cell by cell, without a notebook server."""
 
 from __future__ import annotations
 

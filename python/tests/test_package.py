@@ -1,4 +1,4 @@
-"""The package itself: import, names, and the numbers that the documentation promises."""
+"""Tests the package itself: import, names, and the figures that the documentation states."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_large_map_is_small_in_arrow(errors: str, reading: str) -> None:
     cell = ss.Cell.read(CELLS / "ur_cell.toml").with_({"operation.assembly.grid": [40, 24]})
     map = cell.map("assembly", reading=reading, errors=errors, senses="own")  # type: ignore[arg-type]
     table = pa.table(map)
-    # Bytes of a million nodes, as the README promises: at most 300 MB.
+    # A million nodes need at most 300 MB, as the README states.
     assert table.nbytes / len(map) * 1e6 <= 300e6
     assert map.nbytes <= 1.2 * table.nbytes + 20_000
     assert np.isfinite(map["value"]).any()

@@ -1,4 +1,4 @@
-"""Reports, frames of notebooks, and the live page."""
+"""Tests reports, frames in notebooks, and the live page."""
 
 from __future__ import annotations
 

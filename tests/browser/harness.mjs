@@ -1,6 +1,6 @@
 // Common part of the browser tests: Chromium, watched pages, checks and their summary.
 //
-// Exit codes of a test: 0 if every check holds, 1 if one does not, 2 if it was called wrongly.
+// Exit codes of a test: 0 if every check holds, 1 if a check fails, 2 if the arguments are wrong.
 
 import { setTimeout as sleep } from "node:timers/promises";
 import { chromium } from "playwright-core";
@@ -18,7 +18,7 @@ const FLAGS = [
 const SOFTWARE_WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const NO_WEBGL = ["--disable-3d-apis"];
 
-/** Time that anything may take on a busy machine, ms. */
+/** Longest time that any step may take on a busy machine, ms. */
 export const PATIENCE = 300_000;
 
 /** Messages about reading a picture back, which only the tests do. */
@@ -29,7 +29,7 @@ let count = 0;
 const failures = [];
 
 /**
- * Records whether something holds.
+ * Records whether a check holds.
  * @param {boolean} holds
  * @param {string} what
  */
@@ -40,7 +40,7 @@ export function check(holds, what) {
 }
 
 /**
- * Waits until something holds, and records whether it did in time.
+ * Waits until a condition holds, and records whether this happened in time.
  * @param {() => Promise<boolean>} holds
  * @param {string} what
  */
@@ -49,7 +49,7 @@ export async function checkSoon(holds, what) {
 }
 
 /**
- * Waits until something holds; returns whether it did in time.
+ * Waits until a condition holds. Returns whether this happened in time.
  * @param {() => Promise<boolean>} holds
  * @param {number} [patience] ms
  */
@@ -63,7 +63,7 @@ export async function soon(holds, patience = 60_000) {
 }
 
 /**
- * Runs the parts of a test one after another, tells how long each took, and ends the process.
+ * Runs the parts of a test one after another, prints how long each part took, and ends the process.
  * @param {string} name
  * @param {Record<string, () => Promise<void>>} parts
  * @param {() => void} [cleanUp]
@@ -122,12 +122,12 @@ export async function launch({ webgl = true } = {}) {
 }
 
 /**
- * Opens a page and notes what it should not do: errors, warnings, dialogs, requests.
+ * Opens a page and records its errors, warnings, dialogs and requests, which should not occur.
  * @param {import("playwright-core").Browser} browser
  * @param {string} url
  * @param {object} [options]
  * @param {import("playwright-core").BrowserContextOptions} [options.context]
- * @param {(url: string) => boolean} [options.mayAsk] which addresses the page may ask besides its own
+ * @param {(url: string) => boolean} [options.mayAsk] whether the page may request an address besides its own
  * @param {RegExp} [options.expected] messages that are expected
  */
 export async function open(browser, url, { context = {}, mayAsk = () => false, expected = HARMLESS } = {}) {
@@ -154,7 +154,7 @@ export async function open(browser, url, { context = {}, mayAsk = () => false, e
 }
 
 /**
- * Checks that a page did nothing that it should not.
+ * Checks that a page had no errors, warnings, dialogs or unexpected requests.
  * @param {string[]} faults
  * @param {string} name
  */

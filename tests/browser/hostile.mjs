@@ -67,10 +67,10 @@ const PAYLOADS = [
 ];
 const NAMES = Array.from({ length: 500 }, (_, k) => `${PAYLOADS[k % PAYLOADS.length]} ${k}`);
 
-/** Control codes that would talk to a terminal, and characters that turn the reading order. */
+/** Control codes that would control a terminal, and characters that reverse the reading order. */
 const CONTROL_CODES = ["\u001b[2J", "\u0007", "\u009b31m", "\u202e", "\u2028", "\u0000"];
 
-/** Elements and attributes that only a name can have brought in. */
+/** Elements and attributes that can come only from an unescaped name. */
 const FOREIGN = [
   "iframe",
   "base",
@@ -86,7 +86,7 @@ const FOREIGN = [
 ];
 
 /**
- * Returns whether a text has a control code, or a character that turns the reading order.
+ * Returns whether a text has a control code, or a character that reverses the reading order.
  * @param {string} text
  * @param {boolean} bidirectional
  */
@@ -168,7 +168,7 @@ const sweetspot = (...args) =>
   spawnSync(program, args, { cwd: folder, maxBuffer: 1 << 28, encoding: "utf8", timeout: PATIENCE });
 
 /**
- * Runs the program, which must succeed; returns its standard output.
+ * Runs the program, which must succeed, and returns its standard output.
  * @param {string[]} args
  */
 function succeed(...args) {
@@ -198,7 +198,7 @@ async function testFiles() {
     succeed("export", "cell.toml", "--to", format, "-o", `out.${format}`);
   }
   const csv = readFileSync(pathOf("out.csv"), "utf8");
-  // A spreadsheet runs a cell that begins with one of these.
+  // A spreadsheet treats a cell that begins with one of these characters as a formula.
   check(!/(^|,)"?[=+@\t\r]/m.test(csv), "the CSV file has no formula");
   check(!/(^|,)"?-[^\d.]/m.test(csv), "the CSV file has no formula that begins with a minus");
 }

@@ -1,5 +1,5 @@
 // Checks the records that Rust hands to the scripts against their types (records.d.ts): tsc compares real
-// documents with the types. So a field that is renamed on one side only does not go unnoticed.
+// documents with the types. A field that is renamed on only one side is thus detected.
 
 import { spawn, spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -28,7 +28,7 @@ async function readReport() {
   records.push(["typeof NODE_SIGN_TABLE", JSON.parse(signs?.[1] ?? "null")]);
 }
 
-/** Asks the server of `sweetspot view` everything that its page asks. */
+/** Sends the server of `sweetspot view` all requests that its page sends. */
 async function readAnswers() {
   const server = spawn(program, ["view", join(ROOT, "cells/hitachi_cell.toml")], { cwd: folder });
   try {
@@ -80,7 +80,7 @@ async function compareTypes() {
 }
 
 /**
- * Shortens long lists and encoded arrays: their type shows in the first items.
+ * Shortens long lists and encoded arrays, because their first items show their type.
  * @param {string} _key
  * @param {unknown} value
  */

@@ -13,7 +13,7 @@ import { check, checkFaults, launch, open, PATIENCE, run, usage } from "./harnes
 /** Name of equipment that tries to be markup, script and formula at once. */
 const HOSTILE = "<img src=x onerror=alert(1)> </script><b> =cmd()";
 
-/** Time from the drop to the drawn map of 99 nodes, ms: aim on a quiet machine, bound on a busy one. */
+/** Time from the drop to the drawn map of 99 nodes, ms: target on a quiet machine, limit on a busy one. */
 const AIM = 50;
 const BOUND = 2000;
 const DROPS = 20;
@@ -40,7 +40,7 @@ writeFileSync(join(folder, "cells/hostile.toml"), `${hostileCell.join("\n")}\n`)
 const servers = new Set();
 
 /**
- * Starts the server of a cell; returns the address of its page.
+ * Starts the server of a cell, and returns the address of its page.
  * @param {string} cell
  * @returns {Promise<string>}
  */
@@ -76,7 +76,7 @@ async function openCell(cell, context = {}) {
 }
 
 /**
- * Waits until the plan and the 3-D view are there.
+ * Waits until the page shows the plan and the 3-D view.
  * @param {Page} page
  */
 const ready = (page) =>
@@ -94,27 +94,27 @@ const ready = (page) =>
 const textOf = async (page, selector) => (await page.textContent(selector)) ?? "";
 
 /**
- * Returns the error shown.
+ * Returns the error that the page shows.
  * @param {Page} page
  */
 const error = (page) => textOf(page, "#value");
 
 /**
- * Returns the input of a number.
+ * Returns the input field of a number.
  * @param {Page} page
  * @param {string} name
  */
 const field = (page, name) => page.locator(`[data-of="${name}"]`);
 
 /**
- * Returns a number of the form.
+ * Returns the value of a number in the form.
  * @param {Page} page
  * @param {string} name
  */
 const number = async (page, name) => Number(await field(page, name).inputValue());
 
 /**
- * Does something and waits until the answer is drawn.
+ * Runs an action and waits until the answer is drawn.
  * @param {Page} page
  * @param {() => Promise<unknown>} action
  */
@@ -136,7 +136,7 @@ async function type(page, name, value) {
 }
 
 /**
- * Saves a picture of the page, if pictures are wanted.
+ * Saves a picture of the page if pictures are requested.
  * @param {Page} page
  * @param {string} name
  */
@@ -231,7 +231,7 @@ async function testStanding(page) {
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + 6, y, { steps: 2 });
-  // The fine outline may replace the coarse one before this test sees either.
+  // The fine outline may replace the coarse outline before this test sees the coarse outline.
   await page.waitForFunction(
     () => (document.querySelector("#plan .standing path")?.getAttribute("d")?.length ?? 0) > 20,
     null,

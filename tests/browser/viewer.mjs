@@ -29,7 +29,7 @@ const picture = (page) =>
   );
 
 /**
- * Counts the pixels that differ.
+ * Returns the number of pixels that differ.
  * @param {number[]} a
  * @param {number[]} b
  */
@@ -43,7 +43,7 @@ function changed(a, b) {
 }
 
 /**
- * Counts the pictures that the page asks for within a time.
+ * Returns the number of frames that the page requests within a time.
  * @param {Page} page
  * @param {number} time ms
  */
@@ -61,7 +61,7 @@ const frames = (page, time) =>
   }, time);
 
 /**
- * Waits until two successive pictures are the same; returns the last.
+ * Waits until two successive pictures are equal, and returns the last picture.
  * @param {Page} page
  */
 async function still(page) {
@@ -115,7 +115,7 @@ async function testPicture(page) {
 }
 
 /**
- * Tries every choice of every switch against the first one: picture, legend or labels must differ.
+ * Compares every choice of every switch with the first choice: picture, legend or labels must differ.
  * @param {Page} page
  */
 async function testSwitches(page) {
@@ -198,7 +198,7 @@ async function testMovement(page) {
   await slider.fill("0");
   const home = await still(page);
   await play.click();
-  // Wait until the rest at home is over.
+  // The test waits until the stop at home is over.
   const time = async () => Number(await slider.inputValue());
   await checkSoon(async () => (await time()) > 1.5, "the time runs");
   await play.click();
@@ -214,7 +214,7 @@ async function testMovement(page) {
 async function testDragging(page) {
   await page.evaluate(() => {
     const host = document.createElement("div");
-    // The checks look at the first viewer of the page.
+    // The checks read the first viewer of the page.
     document.body.prepend(host);
     const written = JSON.parse(document.getElementById("drawings")?.textContent ?? "");
     Object.assign(globalThis, { written, viewer: sweetspotViewer(host, written, { controls: false }) });

@@ -84,12 +84,12 @@ class Cell:
 
     @staticmethod
     def read(path: _Path, *, packages: _Packages | None = None) -> Cell:
-        """Reads a cell file and everything that it refers to."""
+        """Reads a cell file and all files to which it refers."""
     @staticmethod
     def from_text(
         text: str, *, folder: _Path | None = None, name: str = "cell.toml", packages: _Packages | None = None
     ) -> Cell:
-        """Reads a cell from the text of a cell file; the files that it refers to are in `folder`."""
+        """Reads a cell from the text of a cell file. The files to which the text refers are in `folder`."""
     def with_(self, *sets: str | Mapping[str, Any], **question: Unpack[_Question]) -> Cell:
         """Returns the cell with other settings: texts `PATH=VALUE` as after `--set`, dicts of paths and values, or the
         flags that choose errors and their interpretation."""
@@ -101,8 +101,8 @@ class Cell:
     ) -> Map:
         """Maps the error over the surface of an operation, or of all operations.
 
-        `senses="own"` leaves out the figures in all senses but that of the operation. The map is then computed several
-        times faster, and takes half the memory.
+        `senses="own"` leaves out the figures in all senses except the sense of the operation. The map is then computed
+        several times faster, and takes half the memory.
         """
     def search(
         self,
@@ -126,7 +126,7 @@ class Cell:
     def robust(self, **question: Unpack[_Question]) -> RobustDocument:
         """Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits."""
     def report(self, path: _Path) -> VerdictDocument:
-        """Writes one HTML page about the layout as drawn, and returns the verdict. An existing page is replaced."""
+        """Writes one HTML page about the start layout, and returns the verdict. An existing page is replaced."""
     def view(self, *, port: int = 0, open: bool = False) -> View:
         """Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is not in
         use, and `open` opens the page in the browser."""
@@ -153,7 +153,7 @@ class Cell:
 
 @final
 class Map:
-    """Error map of the layout as drawn: a table of nodes, a record and a picture."""
+    """Error map of the start layout of a cell: a table of nodes, a record and a picture."""
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
     def __getitem__(self, name: str, /) -> npt.NDArray[Any]:
@@ -192,16 +192,17 @@ class Search:
     def unit(self) -> str: ...
     @property
     def bound(self) -> float | None:
-        """Proven lower bound of the objective of every layout, in `unit`; None if nothing is proven."""
+        """Proven lower bound of the objective of every layout, in `unit`; None if no bound is proven."""
     @property
     def gap(self) -> float | None:
-        """Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None without a bound."""
+        """Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None if there is no
+        bound."""
     @property
     def cell(self) -> Cell:
         """Cell at the best layout. Raises ValueError if no layout is feasible."""
     @property
     def cells(self) -> list[Cell]:
-        """Cells at the layouts of `front`, in the same order; empty without `pareto` and `keep`."""
+        """Cells at the layouts of `front`, in the same order; empty if neither `pareto` nor `keep` is used."""
     @property
     def trace(self) -> _Floats:
         """Improvements of the search, shape (n, 2): number of evaluations, and least objective so far in `unit`."""
@@ -213,7 +214,7 @@ class Search:
         """Spots of the operations in the best layout."""
     @property
     def front(self) -> Table[AlternativeEntry] | None:
-        """Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None without these two settings."""
+        """Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None if neither setting is used."""
     @property
     def layout(self) -> dict[str, PlacementEntry]:
         """Placement of every piece of equipment in the best layout."""
@@ -239,7 +240,7 @@ class Evaluator:
         """Number of free coordinates."""
     @property
     def names(self) -> list[str]:
-        """Path of every free coordinate in the cell file, as `Cell.with_` takes it."""
+        """Path of every free coordinate in the cell file, in the form that `Cell.with_` accepts."""
     @property
     def unit(self) -> str:
         """Unit of the costs."""
@@ -248,7 +249,7 @@ class Evaluator:
         """Least and greatest value of every free coordinate in mm or degrees, shape (dim, 2)."""
     @property
     def start(self) -> _Floats:
-        """Point of the unit cube for the layout as drawn."""
+        """Point of the unit cube for the start layout."""
     @property
     def cell(self) -> Cell:
         """Cell whose layouts are evaluated."""
@@ -288,7 +289,7 @@ class Evaluations:
         """Value of every operation at its spot in `unit`, shape (n, operations); NaN if the operation has no spot."""
     @property
     def reasons(self) -> list[list[str]] | None:
-        """Reasons why each layout is not feasible; None without `reasons=True`."""
+        """Reasons why each layout is not feasible; None unless `reasons=True`."""
     @property
     def operations(self) -> list[str]:
         """Names of the operations."""
@@ -378,9 +379,9 @@ def calibrate(
 ) -> Calibration:
     """Identifies the kinematic errors of a robot from measured positions of its tool.
 
-    `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` has the positions (n, 3) or the
-    poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
-    instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part of the fit.
+    `q` contains the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` contains the positions (n,
+    3) or the poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard
+    deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part of the fit.
 
     `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic errors of the
     revolute joints up to this order.
@@ -390,7 +391,7 @@ def calibrate(
     """
 
 def compare(*layouts: Cell | Search, names: list[str] | None = None) -> ComparisonDocument:
-    """Compares the layouts of cells as drawn and the best layouts of searches. The first layout is the reference."""
+    """Compares the start layouts of cells and the best layouts of searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
     """Returns a function from layouts to costs, for an optimiser of the user's own."""

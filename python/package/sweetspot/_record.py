@@ -21,7 +21,8 @@ Row = TypeVar("Row", bound="Record", covariant=True)
 class Record:
     """Record of the library with typed fields. A record is immutable."""
 
-    # Fields that are not plain values. The pair states how `_read` reads the field, and the name of its class.
+    # Fields that are not plain values. The pair states how `_read` reads the field, and names the class of
+    # the field.
     _nested: ClassVar[dict[str, tuple[str, str]]] = {}
     _data: dict[str, Any]
 

@@ -25,8 +25,8 @@ class Fault(NamedTuple):
 
 
 class SweetspotError(Exception):
-    """Exception that carries faults. The properties (`file`, `line` and others) are those of the first fault that is an
-    error."""
+    """Exception that carries faults. The properties (`file`, `line` and others) belong to the first fault that is
+    an error."""
 
     faults: tuple[Fault, ...]
 
@@ -71,7 +71,7 @@ class InputError(SweetspotError, ValueError):
 
 
 class UnreadableError(InputError):
-    """Error of a cell file or a robot file that itself cannot be read."""
+    """Error of a cell file or a robot file that cannot be read at all."""
 
 
 class NoAnswerError(SweetspotError):

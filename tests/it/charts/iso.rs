@@ -23,14 +23,14 @@ fn iso_lines_of_a_plane_are_straight_and_have_their_value() {
         let lines = surface.lines(level);
         assert_eq!(lines.len(), 1, "{level}");
         assert!(lines[0].iter().all(|p| (f(p.0, p.1) - level).abs() < 1e-12));
-        // The line runs from edge to edge of the grid.
+        // The line begins and ends at the border of the grid.
         for end in [lines[0][0], *lines[0].last().unwrap()] {
             assert!([end.0, end.0 - 6.0, end.1, end.1 - 4.0].iter().any(|d| d.abs() < 1e-12), "{end:?}");
         }
     }
 }
 
-/// Values on the edges of a grid cell are known by linear interpolation.
+/// On the edges of a grid cell, the values follow from linear interpolation.
 #[test]
 fn an_iso_line_crosses_grid_edges_by_linear_interpolation() {
     let f = |x: f64, y: f64| (0.9 * x).sin() + (0.7 * y).cos() * 1.3;
@@ -65,7 +65,8 @@ fn a_round_hill_has_one_closed_iso_line_of_the_right_area() {
 #[test]
 fn a_saddle_is_resolved_by_its_centre_value() {
     let high = grid((2, 2), |x, y| Some(if x == y { 3.0 } else { 0.0 }));
-    // The centre has 1.5: below it the high corners are joined, above it they are apart.
+    // The centre has the value 1.5. The areas at the high corners are joined at a lower level and separate at
+    // a higher level.
     let areas = |level| high.above(level).iter().map(|p| area(p)).sum::<f64>();
     assert_eq!((high.lines(1.0).len(), high.lines(2.0).len()), (2, 2));
     assert!(areas(1.0) > 0.5 && areas(2.0) < 0.5 && areas(-1.0) == 1.0);
