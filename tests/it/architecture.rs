@@ -237,8 +237,8 @@ fn nothing_panics_on_purpose() {
 
 /// Only units.rs contains factors between units.
 ///
-/// The only exception is `files/keys/solid.rs`. It has a table of the units that a mesh file may have, with
-/// the length of each unit in metres.
+/// The only exception is `files/keys/solid.rs`. That file has a table of the units that a mesh file may have,
+/// with the length of each unit in metres.
 #[test]
 fn only_units_rs_converts_units() {
     let words = ["to_radians", "to_degrees", "180.0", "0.001", "57.29", "0.01745"];

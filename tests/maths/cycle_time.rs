@@ -286,7 +286,7 @@ fn the_cycle_of_a_layout_is_the_sum_of_its_steps() {
         assert_eq!((cycle.is_cycle, cycle.is_assumed), (transfer.contains("cycle"), false));
         let time = |k: usize| cycle.steps[k].time;
         assert_eq!((time(1), time(4)), (2.0, 0.0));
-        // 50 mm and 40 mm at 100 mm/s, and the ramps.
+        // Moves of 50 mm and 40 mm at 100 mm/s, plus the time of the speed ramps.
         assert!(time(0) > 0.5 && time(0) < 0.7 && time(2) > 0.4 && time(2) < 0.6, "{cycle:?}");
         let bounds = RateBounds::new(&cell.robot).unwrap();
         for (transfer, step) in evaluation.transfers.iter().zip([3, 5]) {

@@ -26,7 +26,7 @@ impl ConeCut {
         Self::Row { columns: columns.iter().map(|c| sign * c[0]).collect(), constant: sign * constant[0] }
     }
 
-    /// Returns whether two cuts are the same constraint. A sign pattern and the opposite one give the same
+    /// Returns whether two cuts are the same constraint. A sign pattern and its opposite give the same
     /// constraint.
     pub fn is_same(&self, other: &Self) -> bool {
         match (self, other) {

@@ -1,7 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! Every interpretation, whether from a cell file, a flag or the page of `view`, is checked by
-//! [`Cell::faults_of`]. The rules are therefore stated only in this file.
+//! [`Cell::faults_of`] checks every interpretation, whether from a cell file, a flag or the page of `view`.
+//! The rules are therefore stated only in this file.
 
 use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};

@@ -208,7 +208,7 @@ fn degenerate_arms() -> Vec<[[f64; 4]; 6]> {
     meeting[3][1] = 0.0;
     meeting[4][1] = 0.0;
     arms.push(meeting);
-    // Axes 1 to 4 parallel.
+    // Axes 1 to 4 are parallel.
     let mut parallel = hollow_wrist();
     for row in &mut parallel[..3] {
         row[3] = 0.0;
