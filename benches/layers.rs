@@ -1,7 +1,8 @@
 //! Benchmarks of the layers of an evaluation, on the shipped cells: a node, a map of 99 nodes, the
 //! collision check of one posture, and others. `evaluate` runs on random and on plausible layouts.
 //!
-//! `cargo bench --bench layers` runs them. The 2000 layouts are in tests/data: 1000 random, then 1000 plausible.
+//! `cargo bench --bench layers` runs them. The 2000 layouts are in tests/data: 1000 random, then 1000
+//! plausible.
 
 #![allow(clippy::expect_used)] // without its data, a benchmark has nothing to measure
 
@@ -33,8 +34,8 @@ fn data(name: &str) -> Vec<f64> {
     bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().expect("8 bytes"))).collect()
 }
 
-/// Reads the layouts of the reference data. A row is x, y, yaw and height of the table, then x, y and yaw of the
-/// conveyor, in mm and degrees.
+/// Reads the layouts of the reference data. A row is x, y, yaw and height of the table, then x, y and yaw of
+/// the conveyor, in mm and degrees.
 fn layouts(cell: &Cell) -> Vec<Layout> {
     let at = |x: f64, y: f64, z: f64, yaw: f64| Placement {
         x: x / 1e3,
@@ -209,7 +210,8 @@ fn evaluate(c: &mut Criterion) {
     }
 }
 
-/// Measures `evaluate` on the plausible layouts with one thread and with two, in parts of at least 50 layouts.
+/// Measures `evaluate` on the plausible layouts with one thread and with two, in parts of at least 50
+/// layouts.
 fn threads(c: &mut Criterion) {
     let workcell = Workcell::new(shipped("hitachi_ideal.toml")).expect("the cell");
     let layouts = &layouts(&workcell.cell)[1000..];
@@ -223,7 +225,8 @@ fn threads(c: &mut Criterion) {
     }
 }
 
-/// Measures the work per layout before any node: placing the solids, and checking the floor spaces for overlaps.
+/// Measures the work per layout before any node: placing the solids, and checking the floor spaces for
+/// overlaps.
 fn layout(c: &mut Criterion) {
     let cell = shipped("hitachi_ideal.toml");
     let layouts = layouts(&cell);

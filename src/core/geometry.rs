@@ -67,7 +67,7 @@ pub fn join_edges<K: Copy + Ord>(
         *surplus.entry(*from).or_default() += 1;
         *surplus.entry(*to).or_default() -= 1;
     }
-    // An open line begins where more edges leave than arrive.
+    // An open polyline begins at a corner where more edges leave than arrive.
     let ends = surplus.into_iter().filter(|(_, n)| *n > 0);
     let ends: Vec<K> = ends.flat_map(|(corner, n)| std::iter::repeat_n(corner, n as usize)).collect();
     let mut lines = Vec::new();

@@ -125,8 +125,8 @@ fn planar_inverse(x: f64, y: f64) -> [f64; 2] {
     [y.atan2(x) - (b * second.sin()).atan2(a + b * second.cos()), second]
 }
 
-/// Solves the linear program of the fastest profile along the line from `from` to `to`: the greatest sum of the squared
-/// speeds at the samples. Returns the time.
+/// Solves the linear program of the fastest profile along the line from `from` to `to`: the greatest sum of
+/// the squared speeds at the samples. Returns the time.
 fn by_linear_program(from: (f64, f64), to: (f64, f64), limits: &[(f64, f64); 2], steps: usize) -> f64 {
     let length = (to.0 - from.0).hypot(to.1 - from.1);
     let at = |s: f64| {
@@ -257,7 +257,8 @@ fn the_bounds_of_a_robot_say_what_is_assumed_and_what_is_missing() {
     assert!(!palletizer.joints_without_speed().iter().any(|k| palletizer.joints[*k].is_passive()));
 }
 
-/// Returns the shipped cell with accelerations, and lines at the first operation; `transfer` are its transfer rules.
+/// Returns the shipped cell with accelerations, and lines at the first operation; `transfer` are its transfer
+/// rules.
 fn cell_with_lines(transfer: &str) -> Cell {
     let rate =
         |k: usize| format!("[[robot.rate]]\njoint = {}\nmax_acceleration_deg_s2 = {}\n", k + 1, 150 + 50 * k);

@@ -179,7 +179,8 @@ fn deflections_are_those_of_a_chain_of_springs_to_first_order() {
     }
 }
 
-/// Returns a periodic error of three orders for every revolute joint of an arm; `size` bounds its coefficients, rad.
+/// Returns a periodic error of three orders for every revolute joint of an arm; `size` bounds its
+/// coefficients, rad.
 pub fn random_waves(rng: &mut ChaCha8Rng, arm: &Robot, size: f64) -> Vec<PeriodicError> {
     let mut wave = |joint| {
         let [cos, sin] = [(); 2].map(|()| (0..3).map(|_| rng.random_range(-size..size)).collect());

@@ -48,7 +48,8 @@ fn words(cell: &Cell) -> Vec<String> {
     overlaps(cell, &cell.start()).iter().map(|o| o.in_words(cell)).collect()
 }
 
-/// The lamp is 100 mm high, so that its lower side is 50 mm below its place, and the table's top is at 850 mm.
+/// The lamp is 100 mm high, so that its lower side is 50 mm below its place, and the table's top is at 850
+/// mm.
 #[test]
 fn a_lamp_may_hang_over_a_table() {
     let none: [&str; 0] = [];

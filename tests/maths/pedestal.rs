@@ -15,8 +15,9 @@ fn with_pedestal() -> Cell {
     from_text(text).unwrap().cell
 }
 
-/// Random postures touch the pedestal exactly if a link beyond the first has a point inside its box. The points are
-/// sampled on the axes of the link capsules, so a posture near the surface of the box may be either.
+/// Random postures touch the pedestal exactly if a link beyond the first has a point inside its box. The
+/// points are sampled on the axes of the link capsules, so a posture near the surface of the box may be
+/// either.
 #[test]
 fn the_arm_must_not_touch_the_pedestal() {
     let cell = with_pedestal();

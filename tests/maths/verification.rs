@@ -1,4 +1,5 @@
-//! Tests the comparison of measured positions with predicted errors: vectors, coverage, ranks, spots and repeats.
+//! Tests the comparison of measured positions with predicted errors: vectors, coverage, ranks, spots and
+//! repeats.
 
 use crate::common::{cell_of_robot, from_text};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};

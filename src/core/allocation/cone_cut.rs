@@ -6,12 +6,12 @@ use nalgebra::Vector6;
 /// scaled limit).
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConeCut {
-    /// One sign pattern in one axis: `constant + sum_k columns_k u_k <= 1`.
+    /// Constraint of one sign pattern of a worst case in one axis: `constant + sum_k columns_k u_k <= 1`.
     Row { columns: Vec<f64>, constant: f64 },
-    /// One sign pattern of a zonotope: `|constant + sum_k columns_k u_k| <= 1`, where only the first `rows`
-    /// components count.
+    /// Constraint of one sign pattern of a worst case in several axes:
+    /// `|constant + sum_k columns_k u_k| <= 1`. Only the first `rows` components count.
     Vertex { columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize },
-    /// Root sum square: `|(constant, roots_k u_k, ...)| <= 1`.
+    /// Constraint of a root sum square: `|(constant, roots_k u_k, ...)| <= 1`.
     Ellipsoid { roots: Vec<f64>, constant: f64 },
 }
 

@@ -1,8 +1,8 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Therefore one
-//! factor, the [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of
-//! different operations can therefore be compared.
+//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Therefore one factor,
+//! the [`exaggeration`], enlarges all arrows of a drawing under one model and reading. The arrows of
+//! different operations can thus be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
@@ -11,9 +11,8 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Two shares that give the length of an arrow head, which is the smaller of two lengths.
-///
-/// The first share is multiplied by the length of the arrow, and the second by the distance between nodes.
+/// Two shares that determine the length of an arrow head. The first share is multiplied by the length of the
+/// arrow, and the second by the distance between nodes. The smaller product is the length of the head.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of an arrow head and half width of the shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);

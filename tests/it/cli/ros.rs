@@ -1,4 +1,5 @@
-//! Tests the exports for ROS: a static URDF, read by the project's own reader, and a planning scene of MoveIt.
+//! Tests the exports for ROS: a static URDF, read by the project's own reader, and a planning scene of
+//! MoveIt.
 
 use crate::cli::sandbox::*;
 use crate::common::load_from;

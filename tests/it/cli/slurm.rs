@@ -1,4 +1,5 @@
-//! Tests `sweep --on slurm` with small scripts named sbatch and squeue, which run the tasks of a job as processes.
+//! Tests `sweep --on slurm` with small scripts named sbatch and squeue, which run the tasks of a job as
+//! processes.
 
 use crate::cli::islands::assert_same;
 use crate::cli::sandbox::*;

@@ -35,7 +35,8 @@ impl<'a> Session<'a> {
         Self { page, sandbox, commands: 0, faults: Vec::new() }
     }
 
-    /// Runs the commands of a block and checks their exit codes, outputs and pictures, or writes them into the block.
+    /// Runs the commands of a block and checks their exit codes, outputs and pictures, or writes them into
+    /// the block.
     pub fn run(&mut self, block: &mut Block) {
         if let Some(file) = block.option("file") {
             let path = self.sandbox.path(file);
@@ -112,7 +113,8 @@ impl<'a> Session<'a> {
         shown
     }
 
-    /// Runs a command to its end, or until a server has printed its address. Returns the exit code and both streams.
+    /// Runs a command to its end, or until a server has printed its address. Returns the exit code and both
+    /// streams.
     fn ran(&self, mut command: Command, target: Option<PathBuf>, serves: bool) -> (Option<i32>, String) {
         let both = self.sandbox.path(".output");
         let stream = std::fs::File::create(&both).unwrap();

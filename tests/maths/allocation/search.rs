@@ -85,7 +85,8 @@ fn the_evaluation_finds_the_cheapest_node_of_the_map() {
     }
 }
 
-/// The objective is the cost of one set of tolerances that serves both operations, as the allocation finds it.
+/// The objective is the cost of one set of tolerances that serves both operations, as the allocation finds
+/// it.
 #[test]
 fn the_objective_is_the_cost_that_the_allocation_finds() {
     for (reading, quantity, limit_mm) in READINGS {

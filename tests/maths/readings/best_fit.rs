@@ -110,7 +110,8 @@ fn the_fitted_effects_agree_with_least_squares_over_the_workspace() {
     }
 }
 
-/// A fit over 64 postures is not converged: the least signed error of the paper's table is 1.954 mm, not 2.23 mm.
+/// A fit over 64 postures is not converged: the least signed error of the paper's table is 1.954 mm, not 2.23
+/// mm.
 #[test]
 fn the_least_error_of_the_paper_with_a_fitted_base_is_converged() {
     let mut cell = shipped("hitachi_paper.toml");

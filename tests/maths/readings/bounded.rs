@@ -135,7 +135,8 @@ fn drawn(
     norms
 }
 
-/// Returns 9 to 40 random effects in `m` components, none or a few of which dominate, along axes of unequal length.
+/// Returns 9 to 40 random effects in `m` components, none or a few of which dominate, along axes of unequal
+/// length.
 fn crowded(rng: &mut ChaCha8Rng, m: usize) -> (Vec<Vector6<f64>>, Vec<Distribution>) {
     let spread = rng.random_range(0.0..1.6);
     let axes: [f64; 6] = std::array::from_fn(|_| 10f64.powf(-rng.random_range(0.0..1.2)));

@@ -1,4 +1,5 @@
-//! Tests measured errors: values with a covariance, in every reading, against plain Monte Carlo and all corners.
+//! Tests measured errors: values with a covariance, in every reading, against plain Monte Carlo and all
+//! corners.
 
 use crate::common::shipped;
 use crate::readings::bench::{alone, cell_of, gauge_of};
