@@ -11,8 +11,10 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Two shares that determine the length of an arrow head. The first share is multiplied by the length of the
-/// arrow, and the second by the distance between nodes. The smaller product is the length of the head.
+/// Two shares that determine the length of an arrow head.
+///
+/// The first share is multiplied by the length of the arrow, and the second by the distance between nodes.
+/// The smaller product is the length of the head.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of an arrow head and half width of the shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
