@@ -1,8 +1,8 @@
 //! Cost of one layout of every shipped cell, on one thread: `cargo bench --bench cells [-- NAME ...]`.
 //!
 //! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and
-//! 20 deg of the best layout of a short search. "Ideal" layouts must work only at their nominal placements.
-//! Layouts "to build" must also withstand the placement tolerances. The program prints medians in
+//! 20 deg of the best layout of a short search. "Ideal" layouts need to work only at their nominal
+//! placements. Layouts "to build" must also withstand the placement tolerances. The program prints medians in
 //! microseconds as a table.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the cells, a benchmark has nothing to measure

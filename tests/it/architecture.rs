@@ -114,7 +114,7 @@ fn every_heavy_crate_has_one_home() {
             sources().iter().filter(|f| uses_crate(&f.code, name)).map(|f| f.path.clone()).collect();
         assert_eq!(users, ["report/pdf/file.rs"], "{name}");
     }
-    // Hashes are computed of files that are read and written, and of the scripts that a page may run.
+    // Hashes are computed for files that are read and written, and for the scripts that a page may run.
     assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
     for (name, home) in
         [("toml", "files"), ("tobj", "mesh"), ("stl_io", "mesh"), ("roxmltree", "files"), ("csv", "report")]

@@ -190,7 +190,7 @@ fn the_front_agrees_with_enumeration() {
             assert!(!losses_of.iter().any(|a| dominates(a, f)), "{named:?}: {f:?} is dominated");
         }
         assert!(share >= 0.99, "{named:?}: {share}");
-        // No layout occurs twice, and the order is that of the first goal.
+        // No layout occurs twice, and the layouts are in the order of the first goal.
         for (k, a) in record.alternatives.iter().enumerate() {
             let twin = record.alternatives[..k].iter().any(|b| a.candidate.layout == b.candidate.layout);
             assert!(!twin, "{named:?}: layout {k} comes twice");

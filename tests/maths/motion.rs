@@ -203,7 +203,7 @@ fn a_free_move_collides_in_no_sample() {
             let is_free = |q: &JointVector| scene.hit(&there, &links(&chain, q), Some(0)).is_none();
             let mut draw = || random_joints(&chain, &mut rng);
             let (a, b) = (std::iter::repeat_with(&mut draw).find(is_free).unwrap(), draw());
-            // Paths of one to five moves.
+            // Each path has one to five moves.
             let count = 1 + turn % 5;
             let knots: Vec<_> = (0..=count)
                 .map(|k| match k {

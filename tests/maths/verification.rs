@@ -182,7 +182,8 @@ fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
     }
 }
 
-/// The ranks are 1, 2.5, 2.5, 4, 5 and 2, 1, 4, 3, 5, whose products of deviations are 6.5, 9.5 and 10.
+/// The ranks are 1, 2.5, 2.5, 4, 5 and 2, 1, 4, 3, 5. The products of their deviations from the mean sum to
+/// 6.5, and the squares sum to 9.5 and 10.
 #[test]
 fn the_rank_correlation_agrees_with_one_by_hand() {
     let found = rank_correlation(&[0.1, 0.2, 0.2, 0.7, 9.0], &[2.0, 1.0, 4.0, 3.0, 5.0]).unwrap();

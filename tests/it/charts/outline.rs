@@ -58,7 +58,7 @@ fn the_convex_hull_of_few_points_has_few_points() {
 
 #[test]
 fn edges_join_to_lines_and_each_belongs_to_one() {
-    // An open line of three edges, a triangle, and nothing else.
+    // The edges form an open line of three edges, a triangle, and nothing else.
     let edges = [(7, 8), (2, 3), (1, 2), (8, 9), (3, 4), (9, 7)];
     let lines = join_edges(&edges, |_, free| free[0]);
     let corners: Vec<(&[i32], bool)> = lines.iter().map(|l| (&l.corners[..], l.is_closed)).collect();

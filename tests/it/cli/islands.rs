@@ -56,8 +56,8 @@ fn one_island_has_the_shortlist_and_the_front_of_a_plain_search() {
     assert_one_island_is_plain(&["--pareto", "error,clearance"], &["best.toml", "front.csv", "front.svg"]);
 }
 
-/// `islands` returns the result of the best seed, with the evaluations of all seeds. Other commands can read
-/// it.
+/// `search --islands` returns the result of the best seed, with the evaluations of all seeds. Other commands
+/// can read it.
 #[test]
 fn the_best_of_several_seeds_is_the_result() {
     let shop = Sandbox::new();

@@ -1,4 +1,4 @@
-//! Measures savings of the cheapest tolerances compared with uniform tightening on the shipped cells, and
+//! Measures the savings of the cheapest tolerances over uniform tightening on the shipped cells, and the
 //! computing times.
 
 use super::independent::{random_arm, random_cost};

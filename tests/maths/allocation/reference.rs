@@ -51,8 +51,7 @@ fn present_mm(reading: Reading) -> f64 {
     factor * mm_from_m(problem.requirements[0].before)
 }
 
-/// Three of the references have as limit a share of the present figure. The reference prints this limit
-/// rounded.
+/// Two of the limits are shares (1 and 0.5) of the present figure. The reference prints these limits rounded.
 #[test]
 fn the_worst_case_at_one_node_matches_the_reference() {
     let present = present_mm(Reading::WorstCase);

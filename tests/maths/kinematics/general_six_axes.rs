@@ -202,7 +202,7 @@ fn degenerate_arms() -> Vec<[[f64; 4]; 6]> {
     ]
     .map(uniform)
     .into();
-    // Four axes through one point.
+    // Four axes meet in one point.
     let mut meeting = hollow_wrist();
     meeting[2][2] = 0.0;
     meeting[3][1] = 0.0;

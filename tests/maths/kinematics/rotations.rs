@@ -124,7 +124,7 @@ fn composed_rotations_agree_with_60_digits() {
 fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     for (a, b) in ANGLES.into_iter().flat_map(|a| ANGLES.map(|b| (a, b))) {
-        // The two axes are equal, so that rotations add or cancel, or arbitrary.
+        // The two axes are either equal, so that rotations add or cancel, or arbitrary.
         let axis = unit(&mut rng);
         for (a, b) in [(axis * a, axis * b), (axis * a, axis * -b), (axis * a, unit(&mut rng) * b)] {
             let product = SmallRotation::of(&a).after(&SmallRotation::of(&b));

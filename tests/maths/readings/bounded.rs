@@ -63,7 +63,7 @@ fn sums_of_uniform_parameters_have_piecewise_polynomial_distributions() {
             near(three_uniforms(w, law.quantile(p)), p, 0.05 * (1.0 - p));
         }
     });
-    // The last of three widths tends to 0: a trapezoid.
+    // The last of three widths is nearly 0, so the density is nearly a trapezoid.
     let w = [1.0, 0.5, 1e-4];
     of_one_component(&[w[0], w[1]].map(|w| (w / 3f64.sqrt(), Distribution::Uniform)), |law| {
         for p in [0.5, 0.95, 0.99] {

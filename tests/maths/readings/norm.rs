@@ -1,9 +1,10 @@
 //! Tests `reading::norm` against closed forms, mpmath and Monte Carlo.
 //!
-//! The tables come from `mpmath` (17 to 25 digits) in real space, without a Laplace transform: `P(|e| <= c) =
-//! int phi((c sin t - mu)/sd)/sd c cos t P'(c cos t) dt` component by component, the last one by `erf`; far
-//! from zero in space by 120 points of Gauss and Legendre a side; means as `quad` of `1 - P`. Eigenvalues are
-//! squares of `sd`.
+//! The tables come from `mpmath` (17 to 25 digits) in real space, without a Laplace transform. The integral
+//! `P(|e| <= c) = int phi((c sin t - mu)/sd)/sd c cos t P'(c cos t) dt` adds one component after the other.
+//! The probability of the last component is an `erf`. Far from zero, 120 Gauss-Legendre points along each
+//! axis replace this integral in three dimensions. Means are the `quad` of `1 - P`. Eigenvalues are squares
+//! of `sd`.
 
 use crate::common::cases;
 use nalgebra::{Matrix6, Vector6};
