@@ -12,7 +12,7 @@ use super::coordinates::Coordinates;
 use super::region::Constraint;
 use super::task::Task;
 use super::taylor_model::Taylor;
-use super::witness::near;
+use super::witness::{Witness, near};
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::kinematic_error::JointValues;
 use nalgebra::{Matrix4, Vector4};
@@ -125,11 +125,13 @@ pub(super) fn least(
         }
         let mut round: Vec<JointBox> = std::iter::from_fn(|| heap.pop()).take(BOXES_PER_ROUND).collect();
         for part in round.iter().take(WITNESSES_PER_ROUND) {
-            if let Some((value, joints)) = near(task, centre(part).0, &part.low, &part.high, &mut memory)
-                && found.best.is_none_or(|(best, _)| value < best)
-            {
+            let Some(witness) = near(task, centre(part).0, &part.low, &part.high, &mut memory) else {
+                continue;
+            };
+            let Witness { value, joints, ceiling } = witness;
+            upper = upper.min(value).min(ceiling);
+            if found.best.is_none_or(|(best, _)| value < best) {
                 found.best = Some((value, joints));
-                upper = upper.min(value);
             }
         }
         // A box too small to bisect keeps its bound.

@@ -14,6 +14,8 @@ use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
+/// Difference of unit vectors up to which directions count as equal.
+pub(super) const DIRECTION_ROUNDING: f64 = 1e-12;
 /// Sine of the angle below which axes count as parallel. This sine is far above rounding errors, and far
 /// below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
@@ -59,7 +61,7 @@ impl Coordinates {
     pub fn new(chain: &Chain, screws: &Screws, held: &[bool; MAX_JOINTS]) -> Self {
         let count = chain.axes();
         let (mut to_theta, mut turning) = ([[0.0; MAX_JOINTS]; MAX_JOINTS], [0; MAX_JOINTS + 1]);
-        let revolute = |i: &usize| screws.kinds[*i] == JointKind::Revolute;
+        let revolute = |i: &usize| screws.kinds[*i] == JointKind::Revolute && !held[*i];
         let parallel = |i: usize, j: usize| screws.axes[i].cross(&screws.axes[j]).norm() < PARALLEL_SINE;
         // Sign of an angle relative to the first axis of its run of parallel axes.
         let mut sign = [1.0; MAX_JOINTS];

@@ -3,10 +3,14 @@
 //! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
 //! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
-//! joint coordinates within their limits. Errors that come after the first joint in the chain rotate with
-//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions. One
-//! exception is a sense that distinguishes horizontal directions. The other exception is an error that
-//! precedes this joint and acts along or about another axis.
+//! joint coordinates within their limits.
+//!
+//! Two joints may need no coordinate. Errors that come after the first joint in the chain rotate with this
+//! joint. A first joint with a vertical axis therefore does not matter, unless the sense distinguishes
+//! horizontal directions. Errors before it are bounded without their direction. The last joint does not matter
+//! either if its axis is the tool axis through the measured point: the errors behind it take their best
+//! rotation. For a signed sample, and for some errors of other readings, one or both joints keep their
+//! coordinate.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The module has the following files:
@@ -18,6 +22,7 @@
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
+//! | `first_joint`, `last_joint` | joints without a coordinate, and the errors that rotate about their axes |
 //! | `task` | one operation, prepared for bounding |
 //! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
 //!
@@ -27,6 +32,8 @@
 
 mod branch_and_bound;
 mod coordinates;
+mod first_joint;
+mod last_joint;
 mod linear_effects;
 mod nonlinear_error;
 mod region;

@@ -2,21 +2,24 @@
 //! constraints.
 
 use super::WhyNot;
-use super::coordinates::{Coordinates, middle};
+use super::coordinates::{Coordinates, DIRECTION_ROUNDING, middle};
+use super::first_joint::FirstJoint;
+use super::last_joint::{LastJoint, ToolAxisRange};
 use super::linear_effects::{self, WeightedMotions, effects};
 use super::nonlinear_error::ChainDifference;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
-use super::value_bound::EffectSum;
+use super::value_bound::{EffectSum, ValueSum};
 use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row, Unit};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
 use crate::reading::{ErrorEvaluator, ErrorSource, EvaluatorScratch, WorkContext, WorkFrame};
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
 
-/// Difference of unit vectors up to which directions count as equal.
-const DIRECTION_ROUNDING: f64 = 1e-12;
+/// Number of angles that are tried in a posture for a joint that needs no coordinate.
+const WITNESS_ANGLES: usize = 24;
 
 /// Task of bounding the value of one operation from below.
 pub(super) struct Task<'a> {
@@ -41,6 +44,12 @@ pub(super) struct Task<'a> {
     /// largest size.
     deflections: Vec<ScrewMotion>,
     pub constraints: Vec<Constraint>,
+    /// Errors behind the last joint, if this joint needs no coordinate in the boxes.
+    last: Option<LastJoint>,
+    /// Whether the value depends on the angle of the first joint, although this joint needs no coordinate.
+    turned_first: bool,
+    /// Directions of the tool axis in all postures that keep the constraints.
+    tool_axis: ToolAxisRange,
 }
 
 /// Error whose size is bounded from below.
@@ -79,9 +88,9 @@ impl<'a> Task<'a> {
         }
         let frames = chain.frames(&chain.posture(&middle(chain)));
         let screws = Screws::nominal(chain, &frames, &evaluator.sense.point);
-        let sum = EffectSum::new(evaluator, rows.len())?;
+        let mut sum = EffectSum::new(evaluator, rows.len())?;
         let sources = evaluator.sources.list.iter().enumerate();
-        let motions: Vec<ScrewMotion> =
+        let mut motions: Vec<ScrewMotion> =
             sources.flat_map(|(k, source)| motions(chain, &frames, source.parameter, k)).collect();
         let free = Coordinates::new(chain, &screws, &[false; MAX_JOINTS]);
         let pieces = RigidPieces::new(&screws, &screws.point, &free);
@@ -94,23 +103,30 @@ impl<'a> Task<'a> {
         let errors = errors.rigid();
         let difference =
             sample.then(|| ChainDifference::new(&screws, screws.perturbed(&frames, &errors), &pieces));
-        let turns_along = match &difference {
-            Some(difference) => difference.keeps_first_axis(),
-            None => motions.iter().all(|m| m.link > 0 || is_of_first_axis(m, &screws)),
-        };
         let first_alone = (1..chain.axes()).all(|i| chain.coupling[i][0] == 0.0);
+        let first = match (screws.kinds[0], &difference) {
+            _ if !first_alone => None,
+            (JointKind::Prismatic, _) => {
+                let is_level = screws.axes[0].z.abs() < DIRECTION_ROUNDING;
+                let is_kept = is_level && motions.iter().all(|m| m.link > 0 || !m.turns);
+                is_kept.then(FirstJoint::default)
+            }
+            _ if screws.axes[0].xy().norm() >= DIRECTION_ROUNDING || !turns_with_z(&rows) => None,
+            (JointKind::Revolute, Some(difference)) => {
+                difference.keeps_first_axis().then(FirstJoint::default)
+            }
+            (JointKind::Revolute, None) => FirstJoint::replace(&screws, evaluator, &mut motions, &rows),
+        };
         let mut held = [false; MAX_JOINTS];
-        held[0] = first_alone
-            && match screws.kinds[0] {
-                JointKind::Revolute => {
-                    let upright = screws.axes[0].xy().norm() < DIRECTION_ROUNDING;
-                    upright && turns_along && turns_with_z(&rows)
-                }
-                JointKind::Prismatic => {
-                    screws.axes[0].z.abs() < DIRECTION_ROUNDING
-                        && motions.iter().all(|m| m.link > 0 || !m.turns)
-                }
-            };
+        held[0] = first.is_some();
+        let turned_first = first.as_ref().is_some_and(|first| !first.motions.is_empty());
+        if let Some(first) = first {
+            sum.add_first_joint(&first);
+            motions.extend(first.motions);
+        }
+        let fixed = workcell.inverse().fixed_elevation();
+        let last = LastJoint::new(chain, &screws, evaluator, &motions, &rows);
+        held[chain.axes() - 1] |= last.is_some();
         let coordinates = Coordinates::new(chain, &screws, &held);
         let mut constraints = region.constraints();
         let centred =
@@ -138,8 +154,14 @@ impl<'a> Task<'a> {
             lost: 0.0,
             deflections,
             constraints,
+            last,
+            turned_first,
+            tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
         task.lost = task.lost() + task.elastic_part();
+        if let (BoundedError::Columns(motions, _), Some(_)) = (&mut task.error, &task.last) {
+            motions.retain(|motion| motion.link < chain.axes());
+        }
         if let Some(difference) = difference {
             task.error = BoundedError::ChainDifference(Box::new(difference));
         }
@@ -270,14 +292,25 @@ impl<'a> Task<'a> {
             }
             BoundedError::Columns(motions, sum) => {
                 let effects = effects(motions, placed, self.screws.kinds.len());
-                let weights = sum.weights(&self.rows, motions, &effects)?;
+                let last = self.last.as_ref().map(|last| (last, self.tool_axis(placed, radii)));
+                let ValueSum { weights, constant } = sum.weights(&self.rows, motions, &effects, last)?;
                 let rates = rates(&self.screws, placed, Some(&placed.point));
                 let sum = WeightedMotions { motions, effects: &effects, weights: &weights };
-                linear_effects::expand(geometry, placed, sum, &rates, radii)
+                let mut taylor = linear_effects::expand(geometry, placed, sum, &rates, radii);
+                taylor.value += constant;
+                taylor
             }
         };
         taylor.value -= self.lost;
         Some(taylor)
+    }
+
+    /// Returns the directions of the tool axis over a box with the half widths `radii`, about the posture
+    /// `placed`.
+    fn tool_axis(&self, placed: &PosedScrews, radii: &JointValues) -> ToolAxisRange {
+        let turning = self.coordinates.turning[self.coordinates.count];
+        let around = ToolAxisRange { axis: placed.tool, angle: radius(radii, turning) };
+        if around.angle < self.tool_axis.angle { around } else { self.tool_axis }
     }
 
     /// Returns the actuator coordinates (rad or m) of the posture with the [`Coordinates`] `y`.
@@ -292,12 +325,30 @@ impl<'a> Task<'a> {
         self.evaluator.memory()
     }
 
-    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`]
-    /// `y`.
-    pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> f64 {
+    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`] `y`,
+    /// and the actuator coordinates (rad or m) of this posture.
+    ///
+    /// If the value depends on a joint that needs no coordinate, the posture is the best of several angles of this
+    /// joint.
+    pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> (f64, JointVector) {
         let chain = self.workcell.inverse().chain();
-        let frames = chain.frames(&chain.posture(&self.joints(y)));
-        self.evaluator.value(&self.situation, &frames, memory)
+        let spun = [(0, self.turned_first), (chain.axes() - 1, self.last.is_some())];
+        let mut judge = |q: JointVector| {
+            let frames = chain.frames(&chain.posture(&q));
+            (self.evaluator.value(&self.situation, &frames, memory), q)
+        };
+        let mut best = judge(self.joints(y));
+        for (joint, _) in spun.into_iter().filter(|(_, is_spun)| *is_spun) {
+            let (low, high) = chain.links[joint].limits;
+            let (turn, from) = ((high - low).min(TAU), best.1);
+            for k in 0..WITNESS_ANGLES {
+                let mut q = from;
+                q[joint] = low + turn * k as f64 / WITNESS_ANGLES as f64;
+                let found = judge(q);
+                best = if found.0 < best.0 { found } else { best };
+            }
+        }
+        best
     }
 }
 
@@ -375,12 +426,4 @@ fn turns_with_z(rows: &[Row]) -> bool {
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
-}
-
-/// Returns whether a motion before the first joint is a rotation about the first axis or a translation along
-/// it.
-fn is_of_first_axis(motion: &ScrewMotion, screws: &Screws) -> bool {
-    let (axis, arm) = (&screws.axes[0], motion.through - screws.points[0]);
-    motion.axis.cross(axis).norm() < DIRECTION_ROUNDING
-        && (!motion.turns || arm.cross(axis).norm() < DIRECTION_ROUNDING)
 }

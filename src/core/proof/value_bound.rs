@@ -28,6 +28,8 @@
 //! it.
 
 use super::WhyNot;
+use super::first_joint::{FirstJoint, isotropy};
+use super::last_joint::{LastJoint, ToolAxisRange};
 use super::linear_effects::Effect;
 use super::rigid_factors::rigid_factors;
 use crate::cell::{Model, Quantity, Reading, Row};
@@ -53,6 +55,23 @@ const DERIVATIVE_ERROR: f64 = 1e-5;
 /// The vector eta multiplies the displacement of the measured point, and zeta multiplies the rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
+/// Lower bound of a value as a sum of the weighted effects of motions, and a constant (m or rad).
+pub(super) struct ValueSum {
+    /// Weight of the effect of each motion.
+    pub weights: Vec<Weight>,
+    pub constant: f64,
+}
+
+/// Independent random factors of the errors. Each factor is a list of pairs (index of an error source, value of
+/// this source at one standard deviation of the factor).
+#[derive(Debug, Clone)]
+pub(super) struct RandomFactors {
+    list: Vec<Vec<(usize, f64)>>,
+    /// Number of factors at the end of the list that count only with the isotropy of the bound. See
+    /// [`super::first_joint`].
+    excess: usize,
+}
+
 /// Way in which a reading combines the effects of all error sources into one value.
 #[derive(Debug, Clone)]
 pub(super) enum EffectSum {
@@ -60,9 +79,8 @@ pub(super) enum EffectSum {
     Sample(Vec<f64>),
     /// Worst case, with the half width of the tolerance of every error source.
     Box(Vec<f64>),
-    /// Statistic of independent random factors. A factor is a list of pairs (index of an error source, value
-    /// of this source). The value is stated at one standard deviation of the factor.
-    Random(Vec<Vec<(usize, f64)>>, Quantity),
+    /// Statistic of independent random factors.
+    Random(RandomFactors, Quantity),
 }
 
 impl EffectSum {
@@ -93,18 +111,35 @@ impl EffectSum {
                 let alone = list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
                 let mut factors: Vec<_> = alone.map(|(k, s)| vec![(k, s.deviation)]).collect();
                 factors.extend(rigid_factors(&evaluator.sources));
-                Ok(Self::Random(factors, evaluator.quantity))
+                Ok(Self::Random(RandomFactors { list: factors, excess: 0 }, evaluator.quantity))
             }
         }
     }
 
-    /// Returns the weight of the effect of every motion in a lower bound of the value of the reading. Returns
+    /// Adds the motions that stand for errors before the first joint.
+    pub fn add_first_joint(&mut self, first: &FirstJoint) {
+        if let Self::Random(factors, _) = self {
+            let motions = first.motions.iter().zip(&first.deviations);
+            factors.list.extend(motions.map(|(motion, deviation)| vec![(motion.source, *deviation)]));
+            factors.excess = first.excess;
+        }
+    }
+
+    /// Returns the lower bound of the value of the reading as a sum over the effects of all motions. Returns
     /// None if this value is zero at the posture of `effects`.
     ///
-    /// The bound is the weighted sum of the effects. At the posture of `effects`, this sum is equal to the
-    /// value, except for the error margin of [`tangent`]. At other postures, the sum is not greater than the
-    /// value.
-    pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
+    /// At the posture of `effects`, the sum is equal to the value, except for the error margin of [`tangent`].
+    /// At other postures, the sum is not greater than the value.
+    ///
+    /// If `last` holds the errors behind the last joint, `motions` must not contain these errors. The bound
+    /// then holds for every rotation of the tool about its axis.
+    pub fn weights(
+        &self,
+        rows: &[Row],
+        motions: &[ScrewMotion],
+        effects: &[Effect],
+        last: Option<(&LastJoint, ToolAxisRange)>,
+    ) -> Option<ValueSum> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {
             for (r, row) in rows.iter().enumerate() {
@@ -113,10 +148,15 @@ impl EffectSum {
             }
         }
         let mut sums = [Vector6::zeros(); MAX_SOURCES];
-        match self {
-            Self::Sample(values) => towards(&columns, values, &mut sums),
-            Self::Box(widths) => towards(&columns, &corner(&columns, widths, rows.len()), &mut sums),
-            Self::Random(factors, quantity) => spread(&columns, factors, *quantity, rows.len(), &mut sums),
+        let constant = match self {
+            Self::Sample(values) => towards(&columns, values, &mut sums).map(|_| 0.0),
+            Self::Box(widths) => {
+                let unit = towards(&columns, &corner(&columns, widths, rows.len()), &mut sums)?;
+                let direction: Vector3<f64> =
+                    rows.iter().enumerate().map(|(r, row)| row.direction * unit[r]).sum();
+                Some(last.map_or(0.0, |(last, tool)| last.least_width(&direction, &tool)))
+            }
+            Self::Random(factors, quantity) => spread(&columns, factors, *quantity, rows, last, &mut sums),
         }?;
         let of = |motion: &ScrewMotion| {
             let (mut eta, mut zeta) = (Vector3::zeros(), Vector3::zeros());
@@ -127,19 +167,19 @@ impl EffectSum {
             // A translation rotates nothing.
             (eta, if motion.turns { zeta } else { Vector3::zeros() })
         };
-        Some(motions.iter().map(of).collect())
+        Some(ValueSum { weights: motions.iter().map(of).collect(), constant })
     }
 }
 
 /// Writes to `out` the vectors `a_k u` of the lower bound `sum a_k u . e_k` of `|sum a_k e_k|`.
 ///
 /// Here `e_k` is the effect of error source k (`columns`), and `a_k` is the value of this source (`values`).
-/// The unit vector u points along `sum a_k e_k`. Returns None if this sum is zero.
-fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
+/// Returns the unit vector u, which points along `sum a_k e_k`. Returns None if this sum is zero.
+fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<Vector6<f64>> {
     let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
     let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
     out.iter_mut().zip(values).for_each(|(out, v)| *out = unit * *v);
-    Some(())
+    Some(unit)
 }
 
 /// Returns the values of the error sources at the corner of the tolerance box that has the largest linear
@@ -164,50 +204,71 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
 }
 
 /// Writes to `out`, for each error source, the vector that weights its effect in the lower bound of a
-/// statistic.
+/// statistic. Returns the constant part of this bound.
 ///
 /// The symbols are:
 ///
 /// - `e_f`: effect of one standard deviation of the random factor f (in `factors`) on the error;
 /// - `v_kf`: value of source k at one standard deviation of factor f;
 /// - A: the identity matrix for the RMS; otherwise the [`tangent`] at the covariance of the error;
-/// - s: the square root of the sum of `e_f . A e_f` over all factors.
+/// - `i_f`: 1, or the [`isotropy`] of A for a factor that counts only with it;
+/// - h: the least part of `<A, S>` by the errors behind the last joint ([`LastJoint::least_form`]), or 0;
+/// - s: the square root of h plus the sum of `i_f e_f . A e_f` over all factors.
 ///
-/// The vector of source k is the sum of `v_kf A e_f / s` over all factors. Returns None if s is 0.
+/// The vector of source k is the sum of `v_kf i_f A e_f / s` over all factors, and the constant is h / s.
+/// Returns None if s is 0.
 fn spread(
     columns: &[Vector6<f64>],
-    factors: &[Vec<(usize, f64)>],
+    factors: &RandomFactors,
     quantity: Quantity,
-    rows: usize,
+    rows: &[Row],
+    last: Option<(&LastJoint, ToolAxisRange)>,
     out: &mut [Vector6<f64>],
-) -> Option<()> {
+) -> Option<f64> {
+    let count = rows.len();
     let effect =
         |factor: &Vec<(usize, f64)>| factor.iter().map(|&(k, v)| columns[k] * v).sum::<Vector6<f64>>();
-    let effects: Vec<Vector6<f64>> = factors.iter().map(effect).collect();
+    let effects: Vec<Vector6<f64>> = factors.list.iter().map(effect).collect();
     let apply: DMatrix<f64> = match quantity {
-        Quantity::Rms => DMatrix::identity(rows, rows),
+        Quantity::Rms => DMatrix::identity(count, count),
         _ => {
             let entry = |i: usize, j: usize| effects.iter().map(|e| e[i] * e[j]).sum::<f64>();
             let mut covariance = Matrix3::zeros();
-            (0..rows).for_each(|i| (0..rows).for_each(|j| covariance[(i, j)] = entry(i, j)));
-            let a = tangent(&covariance, rows, quantity)?;
-            DMatrix::from_fn(rows, rows, |i, j| a[(i, j)])
+            (0..count).for_each(|i| (0..count).for_each(|j| covariance[(i, j)] = entry(i, j)));
+            if let Some((last, tool)) = &last {
+                let added = last.covariance(&in_space(rows, |i, j| covariance[(i, j)]), tool);
+                let entry = |i: usize, j: usize| rows[i].direction.dot(&(added * rows[j].direction));
+                (0..count).for_each(|i| (0..count).for_each(|j| covariance[(i, j)] += entry(i, j)));
+            }
+            let a = tangent(&covariance, count, quantity)?;
+            DMatrix::from_fn(count, count, |i, j| a[(i, j)])
         }
     };
-    let applied = |e: &Vector6<f64>| {
+    let form = in_space(rows, |i, j| apply[(i, j)]);
+    let (behind, isotropy) =
+        (last.map_or(0.0, |(last, tool)| last.least_form(&form, &tool)), isotropy(&form));
+    let first = effects.len() - factors.excess;
+    let applied = |(f, e): (usize, &Vector6<f64>)| {
         let mut sum = Vector6::zeros();
-        (0..rows).for_each(|i| sum[i] = (0..rows).map(|j| apply[(i, j)] * e[j]).sum());
-        sum
+        (0..count).for_each(|i| sum[i] = (0..count).map(|j| apply[(i, j)] * e[j]).sum());
+        if f < first { sum } else { sum * isotropy }
     };
-    let square: f64 = effects.iter().map(|e| e.dot(&applied(e))).sum();
+    let square = behind + effects.iter().enumerate().map(|(f, e)| e.dot(&applied((f, e)))).sum::<f64>();
     if square < f64::MIN_POSITIVE {
         return None;
     }
-    for (factor, effect) in factors.iter().zip(&effects) {
+    for (factor, effect) in factors.list.iter().zip(effects.iter().enumerate()) {
         let a = applied(effect) / square.sqrt();
         factor.iter().for_each(|&(k, v)| out[k] += a * v);
     }
-    Some(())
+    Some(behind / square.sqrt())
+}
+
+/// Returns the quadratic form of displacements (base frame) that a quadratic form of the rows of a sense
+/// gives. `entry` returns the entries of the form of the rows.
+fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
+    let pairs = (0..rows.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
+    pairs.map(|(i, j)| rows[i].direction * rows[j].direction.transpose() * entry(i, j)).sum()
 }
 
 /// Returns a matrix A with `<A, S> <= quantity(S)^2` for every covariance matrix S of `rows` components.

@@ -12,9 +12,18 @@ use nalgebra::{Matrix4, Vector4};
 /// Largest violation of joint limits and constraints that is accepted in a witness, m or rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Searches a box of joint coordinates for a posture that keeps the joint limits and the constraints.
-/// Returns the value of the operation in this posture, and the joint coordinates. Returns None if no such
-/// posture is found.
+/// Posture that keeps the joint limits and the constraints.
+pub(super) struct Witness {
+    /// Value of the operation in the posture, m or rad.
+    pub value: f64,
+    /// Actuator coordinates of the posture, rad or m.
+    pub joints: JointVector,
+    /// Lower bound of the value in the posture alone, m or rad. No lower bound of the operation rises above it.
+    pub ceiling: f64,
+}
+
+/// Searches a box of joint coordinates for a posture that keeps the joint limits and the constraints. Returns
+/// None if no such posture is found.
 ///
 /// The search starts at the coordinates `y` and takes least-norm Newton steps. After each step, the
 /// coordinates are clamped to the box from `low` to `high`. The best posture is often in a corner of the
@@ -26,7 +35,7 @@ pub(super) fn near(
     low: &JointValues,
     high: &JointValues,
     memory: &mut EvaluatorScratch,
-) -> Option<(f64, JointVector)> {
+) -> Option<Witness> {
     const MAX_STEPS: usize = 12;
     for _ in 0..MAX_STEPS {
         let placed = task.place(&y);
@@ -38,7 +47,11 @@ pub(super) fn near(
             let kept = inside
                 .into_iter()
                 .all(|((_, low, high), q)| (low - TOLERANCE..=high + TOLERANCE).contains(&q));
-            return kept.then(|| (task.value(&y, memory), task.joints(&y)));
+            return kept.then(|| {
+                let (value, joints) = task.value(&y, memory);
+                let bound = task.worth(&y, &placed, &[0.0; MAX_JOINTS]);
+                Witness { value, joints, ceiling: bound.map_or(0.0, |bound| bound.value.max(0.0)) }
+            });
         }
         let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
         for (i, (c, a)) in off.iter().enumerate() {

@@ -1,0 +1,117 @@
+//! First joint with a vertical axis: it needs no coordinate in the boxes of the search, even if errors that
+//! precede it act in horizontal directions.
+//!
+//! Seen from the link behind the first joint, the errors before this joint rotate about its axis. Let an error
+//! move or rotate the arm along or about a horizontal direction u, with the variance v. Its part in the bound
+//! of a statistic is `v u . M(p) u`, with a matrix M that depends on the position p of the measured point. Two
+//! errors of the same kind with the same variance in perpendicular directions give `v tr M`, whatever their
+//! direction. The bound therefore takes the variances of each kind of error as an isotropic part, and an
+//! excess in one direction.
+//!
+//! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal, and
+//! let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives `M = A`. A
+//! rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`. In both
+//! cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the isotropy
+//! times the part of an isotropic error with the variance `v / 2`.
+
+use super::coordinates::DIRECTION_ROUNDING;
+use crate::cell::{Reading, Row};
+use crate::kinematic_error::{ScrewMotion, Screws};
+use crate::reading::{ErrorEvaluator, MAX_SOURCES};
+use nalgebra::{Matrix2, Matrix3, Vector3};
+
+/// Number of joints above which a worst case is bounded without the errors before the first joint, because one
+/// more coordinate would cost too many boxes.
+const MAX_JOINTS_OF_WORST_CASE: usize = 6;
+
+/// Isotropic errors that stand for the errors before a first joint with a vertical axis.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FirstJoint {
+    /// Motions along or about x and y. Their sources are counted on from those of the cell.
+    pub motions: Vec<ScrewMotion>,
+    /// Standard deviation of each of these motions, m or rad.
+    pub deviations: Vec<f64>,
+    /// Number of motions at the end of the list that count only with the isotropy of the bound.
+    pub excess: usize,
+}
+
+impl FirstJoint {
+    /// Replaces the errors before the first joint that act along or about horizontal directions. `motions` are
+    /// the motions of all error sources. Those of the replaced errors are removed.
+    ///
+    /// In the worst case of an arm with many joints, nothing takes the place of these errors. If the rows of the
+    /// sense are not horizontal, nothing takes the place of their excess. The bound remains valid. Returns
+    /// None, and leaves `motions` unchanged, if the errors cannot be replaced.
+    pub fn replace(
+        screws: &Screws,
+        evaluator: &ErrorEvaluator,
+        motions: &mut Vec<ScrewMotion>,
+        rows: &[Row],
+    ) -> Option<Self> {
+        let list = &evaluator.sources.list;
+        let acts_across = |m: &ScrewMotion| m.link == 0 && !is_of_first_axis(m, screws);
+        let across: Vec<ScrewMotion> = motions.iter().copied().filter(acts_across).collect();
+        let is_statistical = evaluator.reading == Reading::Statistical;
+        let leaves_out =
+            evaluator.reading == Reading::WorstCase && screws.kinds.len() > MAX_JOINTS_OF_WORST_CASE;
+        let can_replace = |m: &ScrewMotion| {
+            let arm = (m.through - screws.points[0]).xy().norm();
+            let is_alone = motions.iter().filter(|other| other.source == m.source).count() == 1;
+            is_statistical
+                && is_alone
+                && list[m.source].spread.is_some()
+                && m.axis.z.abs() < DIRECTION_ROUNDING
+                && (!m.turns || arm < DIRECTION_ROUNDING)
+        };
+        if !leaves_out && !across.iter().all(can_replace) {
+            return None;
+        }
+        motions.retain(|m| !acts_across(m));
+        if leaves_out {
+            return Some(Self::default());
+        }
+        let is_level = rows.iter().all(|row| !row.turns && row.direction.z.abs() < DIRECTION_ROUNDING);
+        let (mut isotropic, mut excess, mut rest) = (Vec::new(), Vec::new(), across);
+        while let Some(&kind) = rest.first() {
+            let is_alike = |m: &ScrewMotion| m.turns == kind.turns && (!m.turns || m.through == kind.through);
+            let (alike, others): (Vec<_>, Vec<_>) = rest.into_iter().partition(is_alike);
+            let term = |m: &ScrewMotion| {
+                let u = m.axis.xy() * (m.factor * list[m.source].deviation);
+                u * u.transpose()
+            };
+            let eigen = alike.iter().map(term).sum::<Matrix2<f64>>().symmetric_eigenvalues();
+            let (most, least) = (eigen.max(), eigen.min().max(0.0));
+            isotropic.push((kind, least.sqrt()));
+            excess.push((kind, ((most - least).max(0.0) / 2.0).sqrt()));
+            rest = others;
+        }
+        let mut this = Self::default();
+        let kept = if is_level { excess } else { Vec::new() };
+        this.excess = 2 * kept.len();
+        for (kind, deviation) in isotropic.into_iter().chain(kept) {
+            for axis in [Vector3::x(), Vector3::y()] {
+                let source = list.len() + this.motions.len();
+                this.motions.push(ScrewMotion { axis, source, factor: 1.0, ..kind });
+                this.deviations.push(deviation);
+            }
+        }
+        let fits = list.len() + this.motions.len() <= MAX_SOURCES;
+        Some(if fits { this } else { Self::default() })
+    }
+}
+
+/// Returns the isotropy `2 a_2 / (a_1 + a_2)` of a positive semidefinite form in horizontal directions, with the
+/// eigenvalues `a_1 >= a_2`. It is between 0 and 1.
+pub(super) fn isotropy(form: &Matrix3<f64>) -> f64 {
+    let eigen = form.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigenvalues();
+    let sum = eigen.sum();
+    if sum > 0.0 { (2.0 * eigen.min() / sum).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Returns whether a motion before the first joint is a rotation about the first axis or a translation along
+/// it.
+fn is_of_first_axis(motion: &ScrewMotion, screws: &Screws) -> bool {
+    let (axis, arm) = (&screws.axes[0], motion.through - screws.points[0]);
+    motion.axis.cross(axis).norm() < DIRECTION_ROUNDING
+        && (!motion.turns || arm.cross(axis).norm() < DIRECTION_ROUNDING)
+}
