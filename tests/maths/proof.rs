@@ -3,7 +3,7 @@
 //! Brute force and random postures use the inverse kinematics and the error evaluator. The proof uses neither
 //! of them, but only the joint axes in space.
 
-use crate::common::{cases, root, shipped};
+use crate::common::{cases, cell_of_robot, from_text, robots, root, shipped};
 use crate::elastic::random_waves;
 use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
@@ -11,8 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{
-    Attitude, Cell, Coordinate, Covariance, ErrorSet, JointKind, MeasuredErrors, Model, Objective, Parameter,
-    Quantity, Reading, Registration, Robot, Sense, SignedErrors,
+    Attitude, Cell, Coordinate, Covariance, ErrorSet, JointKind, MeasuredErrors, Model, NodeAggregation,
+    Objective, Parameter, Quantity, Reading, Registration, Robot, Sense, SignedErrors,
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -344,6 +344,87 @@ fn the_bound_of_redundant_arms_is_close_to_the_best_layout() {
         println!("{name}: gap {gap}");
         assert!((0.0..0.02).contains(&gap) && proof.bound < Some(best), "{name}: {gap}");
     }
+}
+
+/// Returns a cell of one robot of the library with one table that may move, and a random question about it.
+fn random_question(stem: &str, rng: &mut ChaCha8Rng) -> Cell {
+    let mut cell = from_text(&cell_of_robot(stem)).unwrap().cell;
+    cell.collision = false;
+    let reach = cell.robot.reach().min(3.0);
+    let free = |min: f64, max: f64| Coordinate::Range { min, max, start: (min + max) / 2.0 };
+    let height = rng.random_range(-0.1..0.3) * reach;
+    let heights = match rng.random_range(0..3) {
+        0 => Coordinate::Fixed(height),
+        1 => Coordinate::List(vec![height, height + 0.2 * reach]),
+        _ => free(height, height + 0.2 * reach),
+    };
+    cell.equipment[0].placement =
+        [free(0.2 * reach, 0.7 * reach), free(-0.5 * reach, 0.5 * reach), heights, free(-1.0, 1.0)];
+    (cell.model, cell.quantity) = (
+        Model::ALL[rng.random_range(0..3)],
+        [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99][rng.random_range(0..4)],
+    );
+    if rng.random_range(0..2) == 0 {
+        cell.robot.errors[cell.errors] = random_tolerances(&cell.robot, rng);
+    }
+    cell.reading = [Reading::Signed, Reading::WorstCase, Reading::Statistical][rng.random_range(0..3)];
+    let set = cell.error_set().clone();
+    if cell.reading == Reading::Signed && !matches!(set, ErrorSet::Signed(_)) {
+        let values: Vec<f64> = set.tolerance().spreads.iter().map(|s| s.plus_minus).collect();
+        let sample = SignedErrors::of_values("plus".into(), cell.robot.axes(), &values);
+        cell.robot.errors[cell.errors] = ErrorSet::Signed(sample);
+    }
+    let operation = &mut cell.operations[0];
+    operation.sense = Sense::plain(["xy", "z", "xyz", "rotation"][rng.random_range(0..4)]).unwrap();
+    operation.over = [NodeAggregation::Best, NodeAggregation::Max][rng.random_range(0..2)];
+    let tilted = rng.random_range(0..2) == 0;
+    if tilted {
+        operation.attitude = Attitude::elevation(rng.random_range(-1.5..-0.5));
+        if Workcell::new(cell.clone()).is_err() {
+            cell.operations[0].attitude = Attitude::elevation(-FRAC_PI_2);
+        }
+    }
+    cell
+}
+
+/// Cells of every robot of the library, with random readings, models, senses and errors. The heights of the table are
+/// fixed, listed or free. The bound is compared with random layouts and with the best layout of a search.
+#[test]
+fn no_layout_of_a_random_cell_is_below_the_bound() {
+    let mut rng = ChaCha8Rng::seed_from_u64(61);
+    let (mut cells, mut bounded, mut feasible) = (0, 0, 0);
+    for _ in 0..cases(1, 6) {
+        for (stem, _) in robots() {
+            let cell = random_question(&stem, &mut rng);
+            let Ok(workcell) = Workcell::new(cell.clone()) else { continue };
+            let proof = proof_of(&workcell, cases(500, 20_000) as u64);
+            let Some(bound) = proof.bound else {
+                cells += 1;
+                continue;
+            };
+            let space = SearchSpace::new(&cell);
+            let numeric = workcell.inverse().family().contains("numeric");
+            let tries = if numeric { 3 } else { cases(40, 400) };
+            let point = |rng: &mut ChaCha8Rng| -> Vec<f64> {
+                (0..space.dimensions()).map(|_| rng.random_range(0.0..1.0)).collect()
+            };
+            let mut values: Vec<f64> = (0..tries)
+                .filter_map(|_| evaluate(&workcell, &space.layout(&point(&mut rng))).objective)
+                .collect();
+            let mut settings = cell.search;
+            settings.budget = if numeric { 10 } else { cases(60, 400) as u64 };
+            let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
+            values.extend(search(&workcell, &settings, &watch).best.evaluation.objective);
+            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let asked = (cell.reading, cell.model, cell.quantity, cell.operations[0].sense.name.clone());
+            assert!(bound <= least, "{stem} {asked:?}: {bound} is above {least}");
+            println!("{stem} {asked:?}: bound {bound:.3e}, least {least:.3e}");
+            (cells, bounded) = (cells + 1, bounded + usize::from(bound > 0.0));
+            feasible += usize::from(!values.is_empty());
+        }
+    }
+    println!("{cells} cells, {bounded} with a bound above 0, {feasible} feasible");
+    assert!(2 * bounded > cells && 2 * feasible > cells, "{cells} {bounded} {feasible}");
 }
 
 #[test]

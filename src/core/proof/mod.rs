@@ -24,6 +24,7 @@
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `first_joint`, `last_joint` | joints without a coordinate, and the errors that rotate about their axes |
 //! | `task` | one operation, prepared for bounding |
+//! | `node_radii` | operations that happen at every node |
 //! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
 //!
 //! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
@@ -35,6 +36,7 @@ mod coordinates;
 mod first_joint;
 mod last_joint;
 mod linear_effects;
+mod node_radii;
 mod nonlinear_error;
 mod region;
 mod rigid_factors;
@@ -49,6 +51,7 @@ pub use value_bound::tangent;
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::layout::{Workcell, combined};
 use crate::safe_text::shown;
+use node_radii::least_of_all_nodes;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
@@ -278,8 +281,14 @@ fn of_regions(
         (OperationBound { value: Err(WhyNot::Infeasible), boxes: 0, witness: None }, false);
     for region in regions {
         let best = all.witness.map(|w| w.0).into_iter().chain(known).reduce(f64::min);
-        let (one, stopped) = of_operation(workcell, region, best, options, stop);
+        let (mut one, stopped) = of_operation(workcell, region, best, options, stop);
         interrupted |= stopped;
+        let values = one.value.ok().map(|start| (start, known.unwrap_or(f64::INFINITY)));
+        let raised = values.and_then(|values| least_of_all_nodes(workcell, region, values, options, stop));
+        if let Some((bound, boxes)) = raised {
+            one.value = one.value.map(|start| if bound.is_finite() { bound } else { start });
+            one.boxes += boxes;
+        }
         all.boxes += one.boxes;
         let by_value = |a: &(f64, JointVector), b: &(f64, JointVector)| a.0.total_cmp(&b.0);
         all.witness = all.witness.into_iter().chain(one.witness).min_by(by_value);

@@ -48,6 +48,8 @@ pub(super) struct Task<'a> {
     last: Option<LastJoint>,
     /// Whether the value depends on the angle of the first joint, although this joint needs no coordinate.
     turned_first: bool,
+    /// Whether a constraint can limit the distance of the TCP from the z axis of the base.
+    limits_radius: bool,
     /// Directions of the tool axis in all postures that keep the constraints.
     tool_axis: ToolAxisRange,
 }
@@ -139,7 +141,8 @@ impl<'a> Task<'a> {
         };
         let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
         let reach = screws.points[0].norm() + to_tip.from(0);
-        let limits = |c: &Constraint| (centred || !held[0]) && (c.low > 0.0 || c.high < reach * reach);
+        let limits_radius = centred || !held[0];
+        let limits = |c: &Constraint| limits_radius && (c.low > 0.0 || c.high < reach * reach);
         constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
         let mut task = Self {
             evaluator,
@@ -156,6 +159,7 @@ impl<'a> Task<'a> {
             constraints,
             last,
             turned_first,
+            limits_radius,
             tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
         task.lost = task.lost() + task.elastic_part();
@@ -318,6 +322,11 @@ impl<'a> Task<'a> {
         let mut q = middle(self.workcell.inverse().chain());
         q.iter_mut().zip(self.coordinates.actuators(y)).for_each(|(q, by)| *q += by);
         q
+    }
+
+    /// Returns whether a constraint can limit the distance of the TCP from the z axis of the base.
+    pub fn limits_radius(&self) -> bool {
+        self.limits_radius
     }
 
     /// Returns working memory for [`Self::value`].

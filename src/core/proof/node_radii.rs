@@ -1,0 +1,248 @@
+//! Bound of an operation that happens at every node: the nodes have different distances from the base axis.
+//!
+//! The least value of a single node, over all postures with a given height and radius, bounds the value of each
+//! node that has this height and radius. All nodes of an operation have the same height, and keep their
+//! distances from each other. Let the origin of the surface have the distance `rho` from the base axis, and let
+//! a node have the polar coordinates (d, delta) on the surface. The radius of the node is then
+//! `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`, where phi is the yaw of the surface against the line from the
+//! base axis.
+//!
+//! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single nodes
+//! are computed for intervals of height and radius, whose lengths are halves, quarters, ... of the whole ranges,
+//! and are kept for other cells of the search.
+
+use super::branch_and_bound;
+use super::region::OperationRegion;
+use super::task::Task;
+use super::{ProofOptions, WhyNot};
+use crate::error_map::Grid;
+use crate::layout::Workcell;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashMap};
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
+
+/// Number of parts into which the extent of the nodes is divided at most.
+const MAX_PARTS: f64 = 48.0;
+/// Length of an interval of height that has the effect of an interval of radius with the length 1.
+const HEIGHT_SHARE: f64 = 4.0;
+/// Largest number of cells that the search examines.
+const MAX_CELLS: usize = 20_000;
+/// Largest number of times that a range of height or radius is halved.
+const MAX_LEVEL: u32 = 20;
+/// Relative gap at which the bound of a single node is accepted.
+const NODE_GAP: f64 = 1e-3;
+
+/// Interval that results from halving a range `level` times, with its index among all such intervals.
+type Dyadic = (u32, u64);
+
+/// Set of placements of the nodes, with a lower bound of the combined value.
+#[derive(Debug, Clone)]
+struct PlacementCell {
+    height: Dyadic,
+    /// Range of the distance of the origin of the surface from the base axis, m.
+    rho: (f64, f64),
+    /// Range of the yaw of the surface against the line from the base axis, rad.
+    phi: (f64, f64),
+    bound: f64,
+    number: usize,
+}
+
+impl Ord for PlacementCell {
+    /// Orders cells so that the heap returns the cell with the least bound first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for PlacementCell {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for PlacementCell {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for PlacementCell {}
+
+/// Search for the placement of all nodes with the least combined value.
+struct NodeRadii<'a> {
+    workcell: &'a Workcell,
+    region: OperationRegion,
+    /// Range of the radius of a node, m.
+    radius: (f64, f64),
+    /// Polar coordinates (m, rad) of the nodes in the frame of the equipment.
+    nodes: Vec<(f64, f64)>,
+    /// Bounds of single nodes, for an interval of height and an interval of radius.
+    known: HashMap<(Dyadic, Dyadic), f64>,
+    boxes: u64,
+    options: &'a ProofOptions,
+    stop: &'a AtomicBool,
+}
+
+/// Returns a lower bound of the combined value of all nodes of an operation, and the number of boxes that the search
+/// examined. `start` is the bound of a single node. `known` is a known combined value, or infinity.
+///
+/// Returns None if the operation happens at one node, or if the radius of a node cannot be limited.
+pub(super) fn least_of_all_nodes(
+    workcell: &Workcell,
+    region: &OperationRegion,
+    (start, known): (f64, f64),
+    options: &ProofOptions,
+    stop: &AtomicBool,
+) -> Option<(f64, u64)> {
+    let operation = &workcell.cell.operations[region.operation];
+    let radius = region.radius.filter(|_| operation.over.needs_every_node())?;
+    let grid = Grid::new(operation);
+    let polar = |k: usize| {
+        let (x, y) = grid.local(k);
+        (x.hypot(y), y.atan2(x))
+    };
+    let nodes: Vec<(f64, f64)> = (0..grid.count()).map(polar).collect();
+    if nodes.len() < 2 || !Task::new(workcell, region).ok()?.limits_radius() {
+        return None;
+    }
+    let (region, known_bounds) = (*region, HashMap::new());
+    let mut search =
+        NodeRadii { workcell, region, radius, nodes, known: known_bounds, boxes: 0, options, stop };
+    let bound = search.least(start, known * (1.0 - options.gap));
+    Some((bound.max(start), search.boxes))
+}
+
+impl NodeRadii<'_> {
+    /// Returns a lower bound of the combined value over all placements. The search ends when the bound reaches
+    /// `enough`.
+    fn least(&mut self, start: f64, enough: f64) -> f64 {
+        let farthest = self.nodes.iter().map(|node| node.0).fold(0.0, f64::max);
+        let finest = 2.0 * farthest / MAX_PARTS;
+        let whole =
+            PlacementCell { height: (0, 0), rho: self.radius, phi: (0.0, TAU), bound: start, number: 0 };
+        let (mut heap, mut number) = (BinaryHeap::from([whole]), 0);
+        while let Some(cell) = heap.pop() {
+            let (low, high) = self.heights(cell.height);
+            let sizes =
+                [(high - low) / HEIGHT_SHARE, cell.rho.1 - cell.rho.0, farthest * (cell.phi.1 - cell.phi.0)];
+            let largest = (0..3).fold(0, |a, b| if sizes[b] > sizes[a] { b } else { a });
+            let is_done = cell.bound >= enough
+                || sizes[largest] <= finest
+                || number >= MAX_CELLS
+                || self.boxes >= self.options.boxes
+                || self.stop.load(MemoryOrdering::Relaxed);
+            if is_done {
+                return cell.bound;
+            }
+            for mut half in halves(&cell, largest) {
+                number += 1;
+                half.number = number;
+                half.bound = half.bound.max(self.combined(&half));
+                if half.bound.is_finite() {
+                    heap.push(half);
+                }
+            }
+        }
+        // No placement lets the arm reach every node.
+        f64::INFINITY
+    }
+
+    /// Returns the range of height of an interval, m.
+    fn heights(&self, (level, index): Dyadic) -> (f64, f64) {
+        within(self.region.height, (level, index))
+    }
+
+    /// Returns a lower bound of the combined value of all nodes in a cell; infinity if the arm cannot reach a node.
+    fn combined(&mut self, cell: &PlacementCell) -> f64 {
+        let mut values = Vec::with_capacity(self.nodes.len());
+        for k in 0..self.nodes.len() {
+            let value = self.of_node(cell, self.nodes[k]);
+            if value == f64::INFINITY {
+                return value;
+            }
+            values.push(value);
+        }
+        self.workcell.cell.operations[self.region.operation].over.of(&mut values)
+    }
+
+    /// Returns a lower bound of the value of one node in a cell.
+    fn of_node(&mut self, cell: &PlacementCell, (d, delta): (f64, f64)) -> f64 {
+        let (near, far) = radii(cell, d, delta);
+        let (low, high) = self.radius;
+        let (from, to) = (near.max(low), far.min(high));
+        if from > to {
+            return f64::INFINITY;
+        }
+        let mut level = 0;
+        while level < MAX_LEVEL && (high - low) / f64::from(1 << level) > (to - from).max(1e-3) {
+            level += 1;
+        }
+        let count = 1u64 << level;
+        let index = |r: f64| (((r - low) / (high - low) * count as f64) as u64).min(count - 1);
+        // A radius on the border of two intervals belongs to both.
+        let (first, last) = (index(from - 1e-9), index(to + 1e-9));
+        (first..=last).map(|k| self.of_interval(cell.height, (level, k))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns a lower bound of the value of a single node, for an interval of height and one of radius.
+    fn of_interval(&mut self, height: Dyadic, radius: Dyadic) -> f64 {
+        if let Some(bound) = self.known.get(&(height, radius)) {
+            return *bound;
+        }
+        let (low, high) = within(self.radius, radius);
+        let region =
+            OperationRegion { height: self.heights(height), radius: Some((low, high)), ..self.region };
+        let boxes = (self.options.boxes / 50).max(100);
+        let bound = match Task::new(self.workcell, &region) {
+            Ok(task) => {
+                let gap = self.options.gap.max(NODE_GAP);
+                match branch_and_bound::least(&task, f64::INFINITY, gap, boxes, self.stop) {
+                    Some(found) => {
+                        self.boxes += found.boxes;
+                        found.bound
+                    }
+                    None => f64::INFINITY,
+                }
+            }
+            Err(WhyNot::Infeasible) => f64::INFINITY,
+            Err(_) => 0.0,
+        };
+        self.known.insert((height, radius), bound);
+        bound
+    }
+}
+
+/// Returns the part of a range that an interval denotes.
+fn within((low, high): (f64, f64), (level, index): Dyadic) -> (f64, f64) {
+    let step = (high - low) / (1u64 << level) as f64;
+    (low + step * index as f64, low + step * (index + 1) as f64)
+}
+
+/// Returns the two halves of a cell in one of its dimensions: 0 is the height, 1 is rho, 2 is phi.
+fn halves(cell: &PlacementCell, dimension: usize) -> [PlacementCell; 2] {
+    let (mut one, mut two) = (cell.clone(), cell.clone());
+    let middle = |(low, high): (f64, f64)| (low + high) / 2.0;
+    match dimension {
+        0 => {
+            let (level, index) = cell.height;
+            (one.height, two.height) = ((level + 1, 2 * index), (level + 1, 2 * index + 1));
+        }
+        1 => (one.rho.1, two.rho.0) = (middle(cell.rho), middle(cell.rho)),
+        _ => (one.phi.1, two.phi.0) = (middle(cell.phi), middle(cell.phi)),
+    }
+    [one, two]
+}
+
+/// Returns the least and the greatest radius of the node with the polar coordinates (d, delta), in a cell, m.
+fn radii(cell: &PlacementCell, d: f64, delta: f64) -> (f64, f64) {
+    let (from, to) = (cell.phi.0 + delta, cell.phi.1 + delta);
+    // Whether the range of angles holds an angle that equals `at` but for whole turns.
+    let holds = |at: f64| ((from - at) / TAU).ceil() * TAU + at <= to;
+    let (a, b) = (from.cos(), to.cos());
+    let least = if holds(std::f64::consts::PI) { -1.0 } else { a.min(b) };
+    let most = if holds(0.0) { 1.0 } else { a.max(b) };
+    let radius = |rho: f64, cos: f64| (rho * rho + d * d + 2.0 * rho * d * cos).max(0.0).sqrt();
+    let near = (-d * least).clamp(cell.rho.0, cell.rho.1);
+    (radius(near, least), radius(cell.rho.0, most).max(radius(cell.rho.1, most)))
+}
