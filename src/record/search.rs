@@ -43,7 +43,7 @@ pub struct SearchResult {
     pub proof: ProofEntry,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of layouts evaluated that are feasible and keep every limit.
+    /// Number of evaluated layouts that are feasible and within every limit.
     pub feasible: u64,
     /// Reason why the search ended.
     pub ended: SearchEnd,
@@ -131,7 +131,7 @@ pub struct IslandEntry {
     pub least_value: Option<f64>,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of layouts evaluated that are feasible and keep every limit.
+    /// Number of evaluated layouts that are feasible and within every limit.
     pub feasible: u64,
     /// Reason why the search ended.
     pub ended: SearchEnd,

@@ -14,7 +14,7 @@ pub struct ToleranceAllocation {
     pub scales: Vec<f64>,
     /// Cost of these tolerances.
     pub cost: f64,
-    /// Lower bound of the cost of all sets of tolerances that keep the requirements.
+    /// Lower bound of the cost of any set of tolerances that meets the requirements.
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,

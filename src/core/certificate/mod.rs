@@ -77,7 +77,10 @@ impl NotCertified {
                     JointKind::Revolute => (deg_from_rad(*by), "deg"),
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
-                format!("joint {} may exceed its limit or margin by {by:.2} {unit}", shown(&joint.name))
+                format!(
+                    "joint {} could go beyond its limit, or into the margin before it, by {by:.2} {unit}",
+                    shown(&joint.name)
+                )
             }
             Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
             Self::Clearance(Hit { solid, other }) => {

@@ -256,7 +256,7 @@ fn contract(
 }
 
 fn clip(part: &mut JointBox, i: usize, low: f64, high: f64) -> Option<()> {
-    // The slack prevents rounding errors from emptying a side.
+    // The slack keeps rounding errors from making the interval of a side empty.
     let slack = 1e-14 * (1.0 + low.abs().max(high.abs()));
     part.low[i] = part.low[i].max(low - slack);
     part.high[i] = part.high[i].min(high + slack);

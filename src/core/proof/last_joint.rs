@@ -30,7 +30,7 @@ pub(super) struct LastJoint {
     /// In the statistical reading, each error has the size of one standard deviation. In the worst case, it
     /// has the size of its tolerance.
     across: Vec<Vector2<f64>>,
-    /// Displacements of the TCP along the tool axis by each error, m.
+    /// Displacement of the TCP along the tool axis that each error causes, m.
     along: Vec<f64>,
     /// Variances across the tool axis, the greater one first, m^2.
     variances: (f64, f64),

@@ -15,7 +15,8 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-/// Evaluator of the error of one operation in its sense, by the model and in the reading of the cell.
+/// Evaluator of the error of one operation. The operation defines the sense, and the cell defines the error
+/// model and the reading.
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
     pub(super) chain: Chain,

@@ -143,7 +143,7 @@ fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
     [column[0], column[1], column[2]]
 }
 
-/// Returns whether a parameter describes a part behind the last joint.
+/// Returns whether a parameter describes a part after the last joint (on the tool side).
 pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,

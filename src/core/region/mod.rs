@@ -51,7 +51,8 @@ impl MovableBody {
     }
 }
 
-/// Reason that limits the room of a piece, which is the largest displacement in every direction.
+/// Reason why the room of a piece is not larger. The room is the distance by which the piece may be displaced in any
+/// direction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
     /// The piece reaches an end of the range of a search variable.

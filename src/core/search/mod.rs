@@ -177,7 +177,8 @@ pub fn search_job(
     }
     let least = best.evaluation.objective.filter(|_| best.evaluation.is_accepted());
     if let Some(least) = least.filter(|_| !stopped) {
-        // A layout with more room must not exceed the gap that the user requests.
+        // A layout that is chosen for its greater room must still be within the optimality gap that the user
+        // requests.
         let gap =
             settings.gap.zip(bound).map(|(gap, bound)| bound * (1.0 + gap)).filter(|most| least <= *most);
         let found = (&space.point(&best.layout)[..], least, gap);

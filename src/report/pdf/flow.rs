@@ -42,7 +42,7 @@ impl PageFlow {
         Self { pages: Vec::new(), page: FlowPage::default(), y: TOP, bottom: BOTTOM, pictures: 0 }
     }
 
-    /// Returns a flow on one page without a lower end, which begins at height 0.
+    /// Returns a flow on a single page of unlimited height. The flow begins at height 0.
     pub fn endless() -> Self {
         Self { y: 0.0, bottom: f64::INFINITY, ..Self::new() }
     }
