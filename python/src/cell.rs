@@ -228,7 +228,7 @@ impl Cell {
         records::object(py, "BudgetDocument", &document)
     }
 
-    /// Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits.
+    /// Returns the sensitivity to misplaced equipment, and the largest misplacement within the limits.
     #[pyo3(signature = (**question))]
     fn robust<'py>(
         &self,

@@ -25,7 +25,7 @@ pub struct GoalsEntry {
     /// Least time of the motions and the operations; absent if the maximum speed of a joint is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
-    /// Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances.
+    /// Cost of the cheapest tolerances that meet every limit; absent if the search does not price tolerances.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
 }

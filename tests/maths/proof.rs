@@ -89,7 +89,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Returns whether joint coordinates keep limits, height and elevation and have the stated value.
+/// Returns whether joint coordinates are within the limits, and have the stated height, elevation and value.
 fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
     let (evaluator, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
@@ -295,9 +295,9 @@ fn random_tolerances(robot: &Robot, rng: &mut ChaCha8Rng) -> ErrorSet {
     ErrorSet::Tolerance(ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values)).tolerance())
 }
 
-/// Errors before the first joint and behind the last joint rotate about the axes of these joints, which have no
-/// coordinate in the boxes. The bound stays below every posture tried. In statistical readings, it is close to the
-/// least value.
+/// Errors before the first joint and after the last joint rotate about the axes of these joints, which have
+/// no coordinate in the boxes. The bound stays below every posture tried. In statistical readings, it is
+/// close to the least value.
 #[test]
 fn errors_that_rotate_about_the_first_or_last_axis_are_bounded() {
     let mut rng = ChaCha8Rng::seed_from_u64(59);

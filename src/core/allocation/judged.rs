@@ -53,7 +53,7 @@ pub struct JudgedAllocation {
     pub missed: f64,
     /// Largest relative excess of a judged figure over its limit at the end.
     pub excess: f64,
-    /// Common scale of uniform tightening, and its cost; None if no common scale keeps the limits.
+    /// Common scale of uniform tightening, and its cost; None if no common scale meets the limits.
     pub uniform: Option<(f64, f64)>,
 }
 
@@ -113,7 +113,7 @@ impl LinearModel<'_> {
     }
 }
 
-/// Finds the cheapest tolerances that keep the limits as `judge` judges them.
+/// Finds the cheapest tolerances that meet the limits as `judge` judges them.
 ///
 /// The limits are in the unit of the figures.
 ///
@@ -190,7 +190,7 @@ fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn
     }
 }
 
-/// Returns the loosest common scale that keeps the judged limits, with its cost; None if no such scale was
+/// Returns the loosest common scale that meets the judged limits, with its cost; None if no such scale was
 /// found.
 ///
 /// The judged figures are nearly proportional to the common scale. A few corrections by the largest ratio

@@ -41,7 +41,7 @@ pub enum AllocationFailure {
     NotSolved,
 }
 
-/// Finds the cheapest tolerances that keep all requirements.
+/// Finds the cheapest tolerances that meet all requirements.
 ///
 /// # Errors
 ///

@@ -1,6 +1,6 @@
 //! Monte Carlo check of the spots of a layout, and the overall yield.
 //!
-//! The overall yield is the share of samples that keep the limits of all operations together.
+//! The overall yield is the share of samples that stay within the limits of all operations together.
 
 use crate::cell::{Layout, Reading};
 use crate::error_map::{OperationMap, PostureRecord};

@@ -4,7 +4,7 @@
 //! ([`TargetBox`]). The arm follows the target in the same branch ([`JointEnclosure`]). For all joint
 //! coordinates in this enclosure, the certificate shows that
 //!
-//! - the target stays within reach, and the joints keep their limits and margins;
+//! - the target stays within reach, and the joints stay within their limits and margins;
 //! - the posture keeps its distance from singular postures;
 //! - every solid keeps its clearance: no solid moves farther than its distance from other solids allows
 //!   ([`Misplacements`]);

@@ -7,8 +7,8 @@
 //!
 //! Two joints may need no coordinate. Errors that come after the first joint in the chain rotate with this
 //! joint. A first joint with a vertical axis therefore does not matter, unless the sense distinguishes
-//! horizontal directions. Errors before it are bounded without their direction. The last joint does not matter
-//! either if its axis is the tool axis through the measured point: the errors behind it take their best
+//! horizontal directions. Errors before it are bounded without their direction. The last joint does not
+//! matter either if its axis is the tool axis through the measured point: the errors after it take their best
 //! rotation. For a signed sample, and for some errors of other readings, one or both joints keep their
 //! coordinate.
 //!

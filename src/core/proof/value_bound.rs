@@ -62,8 +62,8 @@ pub(super) struct ValueSum {
     pub constant: f64,
 }
 
-/// Independent random factors of the errors. Each factor is a list of pairs (index of an error source, value of
-/// this source at one standard deviation of the factor).
+/// Independent random factors of the errors. Each factor is a list of pairs (index of an error source, value
+/// of this source at one standard deviation of the factor).
 #[derive(Debug, Clone)]
 pub(super) struct RandomFactors {
     list: Vec<Vec<(usize, f64)>>,
@@ -128,8 +128,8 @@ impl EffectSum {
     /// Returns the lower bound of the value of the reading as a sum over the effects of all motions. Returns
     /// None if this value is zero at the posture of `effects`.
     ///
-    /// At the posture of `effects`, the sum is equal to the value, except for the error margin of [`tangent`].
-    /// At other postures, the sum is not greater than the value.
+    /// At the posture of `effects`, the sum is equal to the value, except for the error margin of
+    /// [`tangent`]. At other postures, the sum is not greater than the value.
     ///
     /// If `last` holds the errors after the last joint, `motions` must not contain these errors. The bound
     /// then holds for every rotation of the tool about its axis.

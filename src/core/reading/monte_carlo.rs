@@ -160,7 +160,8 @@ pub struct SampledPosture<'a> {
 pub struct JointSamples {
     /// Estimates of each operation alone.
     pub operations: Vec<MonteCarlo>,
-    /// Probability that every operation with a limit keeps its limit; None if no operation has a limit.
+    /// Probability that every operation with a limit stays within its limit; None if no operation has a
+    /// limit.
     pub together: Option<Estimate>,
 }
 
@@ -207,7 +208,7 @@ pub fn joint_monte_carlo(
 struct Replicate {
     /// Sizes of the errors of each operation, in ascending order.
     sizes: Vec<Vec<f64>>,
-    /// Number of samples that keep the limits of all operations.
+    /// Number of samples that stay within the limits of all operations.
     kept: usize,
 }
 

@@ -71,10 +71,10 @@ pub struct SearchRecord {
     ///
     /// Among the layouts with nearly the least objective, a layout whose pieces have much room is chosen.
     pub best: EvaluatedLayout,
-    /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
+    /// Least objective found (m, rad or a share); None if no layout is feasible and within every limit.
     pub least: Option<f64>,
     pub evaluations: u64,
-    /// Number of evaluated layouts that were feasible and kept every limit.
+    /// Number of evaluated layouts that were feasible and within every limit.
     pub feasible: u64,
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
