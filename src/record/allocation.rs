@@ -173,7 +173,7 @@ pub struct JudgementEntry {
     pub rounds: usize,
     /// Number of rounds that Monte Carlo samples caused.
     pub sampled_rounds: usize,
-    /// Largest excess over a limit at the end, percent; negative if all limits are kept.
+    /// Largest excess over a limit at the end, percent; negative if all limits are met.
     pub excess_percent: f64,
     /// Number of cone programs that were solved for the last solution.
     pub programs: usize,

@@ -20,7 +20,7 @@ const MAX_ROUNDS: usize = 40;
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Largest relative excess of a judged figure over its limit at which the limit still counts as kept.
+/// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut
 /// before the first solution.
@@ -173,7 +173,7 @@ pub fn allocate_judged(
     Ok(found)
 }
 
-/// Reduces all tolerances by the excess that the rounds have left, until the limits are kept.
+/// Reduces all tolerances by the excess that the rounds have left, until the limits are met.
 fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn ToleranceJudge) {
     for _ in 0..MAX_REDUCTIONS {
         if found.excess <= JUDGED_EXCESS {

@@ -46,12 +46,12 @@ pub(super) const VANISHES: f64 = 1e-6;
 /// Result of the search over boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoxSearchResult {
-    /// Lower bound of the value of every posture that keeps the constraints, m or rad.
+    /// Lower bound of the value of every posture that satisfies the constraints, m or rad.
     pub bound: f64,
     /// Number of boxes examined.
     pub boxes: u64,
-    /// Least value found among postures that keep the constraints, with the joint coordinates of its posture.
-    /// None if no such posture was found.
+    /// Least value found among postures that satisfy the constraints, with the joint coordinates of its
+    /// posture. None if no such posture was found.
     pub best: Option<(f64, JointVector)>,
     pub interrupted: bool,
 }
@@ -90,8 +90,8 @@ impl PartialEq for JointBox {
 
 impl Eq for JointBox {}
 
-/// Returns a lower bound of the value over all postures that keep the constraints; None if no posture keeps
-/// them.
+/// Returns a lower bound of the value over all postures that satisfy the constraints; None if no posture
+/// satisfies them.
 ///
 /// The search ends when the relative gap between the bound and the least value found is at most `gap`, or
 /// after `boxes` boxes. `known` is the value of a known posture, or infinity. The result does not depend on

@@ -1,9 +1,9 @@
 //! Regions: the alternative placements of each piece of a found layout.
 //!
 //! A placement belongs to the region of a piece if two conditions hold. The layout must stay feasible and
-//! within every limit within the placement tolerances, and the objective may grow by at most the
-//! indifference. All other pieces keep their placements. Every operation keeps its branch, and its spot on
-//! its equipment ([`HeldLayout`]).
+//! within every limit, at all misplacements within the placement tolerances, and the objective may grow by at
+//! most the indifference. All other pieces keep their placements. Every operation keeps its branch, and its
+//! spot on its equipment ([`HeldLayout`]).
 //!
 //! The room of a piece is the largest distance by which it may be displaced in every direction in plan.
 //!
