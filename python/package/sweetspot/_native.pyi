@@ -131,7 +131,7 @@ class Cell:
         """Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is not in
         use, and `open` opens the page in the browser."""
     def evaluator(self) -> Evaluator:
-        """Returns a function from layouts to costs, for an optimiser of the user's own."""
+        """Returns a function from layouts to costs, for an optimizer of the user's own."""
     @property
     def name(self) -> str: ...
     @property
@@ -394,7 +394,7 @@ def compare(*layouts: Cell | Search, names: list[str] | None = None) -> Comparis
     """Compares the start layouts of cells and the best layouts of searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
-    """Returns a function from layouts to costs, for an optimiser of the user's own."""
+    """Returns a function from layouts to costs, for an optimizer of the user's own."""
 
 def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
     """Returns a built-in robot by its name, or reads a robot file or a URDF."""

@@ -1,4 +1,4 @@
-//! Time-optimal path parameterisation: the least time along a given path under limits of the joints.
+//! Time-optimal path parameterization: the least time along a given path under limits of the joints.
 //!
 //! The path q(s) is given, and s(t) is chosen. Let x be (ds/dt)^2 and u be d2s/dt2. The limits of joint j are
 //! then linear,

@@ -24,7 +24,7 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
-/// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
+/// The joints are synchronized: every joint completes the same share of its travel at every instant. So the
 /// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
 /// Let d be the travel of a joint, v its greatest speed and a its greatest acceleration. The greatest speed
 /// of the share is the least `v / |d|` over all joints. The greatest acceleration of the share is the least
