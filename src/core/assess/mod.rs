@@ -227,7 +227,7 @@ impl<'a> Assessment<'a> {
 
     /// Computes the cycle time with its steps.
     ///
-    /// Returns None if the layout is infeasible, or if a joint has no greatest speed.
+    /// Returns None if the layout is infeasible, or if the maximum speed of a joint is not given.
     pub fn cycle_time(&self) -> Option<CycleTime> {
         self.workcell.cycle_time(&self.layout, &self.evaluation)
     }

@@ -224,7 +224,7 @@ impl Cell {
         let names = missing.iter().map(|&k| format!("`{}`", shown(&self.robot.joints[k].name)));
         let names = names.collect::<Vec<_>>().join(", ");
         let message =
-            format!("the goal time needs the greatest speed of every joint, but none is stated for {names}");
+            format!("the goal time needs the maximum speed of every joint, but none is stated for {names}");
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 

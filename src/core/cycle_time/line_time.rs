@@ -11,8 +11,8 @@ const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.
 ///
-/// The arm does not stop at the joint vectors between the ends. `speed` is the greatest speed of the TCP,
-/// m/s, which may be infinite.
+/// The arm does not stop at the joint vectors between the ends. `speed` is the maximum speed of the TCP, m/s,
+/// which may be infinite.
 pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, speed: f64) -> f64 {
     let Some(first) = knots.first() else { return 0.0 };
     let position = |q: &JointVector| chain.forward(&chain.posture(q)).translation;

@@ -92,8 +92,8 @@ impl SampleLimits {
 
 /// Returns the least time, s, along a path from rest to rest.
 ///
-/// `at` holds the length of the path up to each joint vector, m. `speed` is the greatest speed along the
-/// path, m/s.
+/// `at` holds the length of the path up to each joint vector, m. `speed` is the maximum speed along the path,
+/// m/s.
 ///
 /// Between the joint vectors, the path is a cubic spline. The path is divided into 128 steps, so the result
 /// exceeds the exact least time by up to 1 %. This excess is largest if the ramps at the ends are shorter

@@ -30,7 +30,7 @@ const NEARLY: f64 = 1e-3;
 pub struct MovingJoint {
     pub name: String,
     pub limits: (f64, f64),
-    /// Greatest speed, rad/s or m/s; None if the URDF does not state it.
+    /// Maximum speed, rad/s or m/s; None if the URDF does not state it.
     pub velocity: Option<f64>,
     /// Coordinate of the joint with all actuators at 0, rad or m: the offset of a mimic joint, or 0.
     pub offset: f64,
