@@ -9,11 +9,11 @@ use crate::cell::ToleranceCost;
 
 /// Largest number of cone programs for one relaxation.
 const MAX_ROUNDS: usize = 60;
-/// Relative violation of a limit above which a coarse solution adds a cut.
+/// A coarse solution adds a cut if it violates a limit by more than this share of the limit.
 const COARSE_VIOLATION: f64 = 1e-3;
-/// Relative violation of a limit below which a solution counts as meeting this limit.
+/// A solution counts as meeting a limit if it violates the limit by less than this share of the limit.
 const VIOLATION: f64 = 1e-9;
-/// Relative duality gap up to which the solution of the dual ascent needs no cone program.
+/// The solution of the dual ascent needs no cone program if its relative duality gap is at most this value.
 const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;

@@ -30,7 +30,7 @@ const MAX_STEPS: usize = 60;
 const MAX_HALVINGS: i32 = 40;
 /// Factor between successive ridges (multiples of the identity that are added to the Hessian).
 const RIDGE_GROWTH: f64 = 1000.0;
-/// Relative gain of a step below which the dual has converged.
+/// The dual has converged when the relative gain of a step is below this value.
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;

@@ -17,7 +17,8 @@ use std::collections::BinaryHeap;
 const MAX_BRANCHES: usize = 4000;
 /// Relative gap at which a branch counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Largest relative violation of a limit that counts as rounding, so that chosen grades still meet the limit.
+/// Chosen grades still meet a limit if they violate it by at most this share of the limit, because rounding
+/// may be the cause.
 const ROUNDING: f64 = 1e-9;
 
 /// Branch of the search: the scales that it permits, and the solution of its relaxation.

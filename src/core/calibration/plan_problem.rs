@@ -6,7 +6,7 @@ use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, SMatrix, SymmetricEigen, Vector3};
 
-/// Share of the largest eigenvalue of the task below which a direction is ignored.
+/// A direction is ignored if its eigenvalue is below this share of the largest eigenvalue of the task.
 const NEGLIGIBLE: f64 = 1e-12;
 /// Number of unknowns of the pose of the base.
 const OF_BASE: usize = 6;

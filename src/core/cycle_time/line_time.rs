@@ -6,7 +6,8 @@ use super::straight_move::limited_move_time;
 use crate::cell::JointVector;
 use crate::robot::Chain;
 
-/// Distance along the line, m, below which the TCP positions of two joint vectors count as the same point.
+/// The TCP positions of two joint vectors count as the same point if they are nearer than this distance along
+/// the line, m.
 const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.

@@ -36,11 +36,11 @@ const MAX_PASSES: usize = 8;
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
-/// Length of a side of a box, m or rad, below which the side is not bisected.
+/// Least length, m or rad, of a side of a box that is bisected.
 const MIN_SIDE: f64 = 1e-12;
-/// Difference of two values, m or rad, below which the search treats them as equal.
+/// The search treats two values as equal if they differ by less than this value, m or rad.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Threshold (m or rad) of the least value found, below which the search accepts 0 as the lower bound.
+/// The search accepts 0 as the lower bound if the least value found (m or rad) is below this threshold.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.

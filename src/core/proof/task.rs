@@ -207,7 +207,8 @@ impl<'a> Task<'a> {
         (next - m.through).norm() + self.to_point.from(m.link)
     }
 
-    /// Returns an upper bound of the change of the value by the elastic errors of a signed sample, m or rad.
+    /// Returns an upper bound of the change of the value that the elastic errors of a signed sample cause, m
+    /// or rad.
     ///
     /// The lower bound of the value ignores these errors, because their size changes with the posture. A
     /// deflection by an angle moves the measured point by at most the angle times the lever. The lever is the

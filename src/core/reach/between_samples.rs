@@ -15,8 +15,8 @@ const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of the joint limits (rad, m or cosine) above which no usable posture is expected within one step
-/// of the scan.
+/// No usable posture is expected within one step of the scan if the violation of the joint limits (rad, m or
+/// cosine) exceeds this value.
 const HOPELESS: f64 = 0.5;
 
 /// Largest number of bisections in the search for a joint value at which the target is within reach.

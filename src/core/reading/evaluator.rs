@@ -57,8 +57,8 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
-    /// Prediction of the changes of the error by sign flips at corners of the tolerance box. None if the
-    /// evaluator has no prediction.
+    /// Prediction of the changes of the error that sign flips cause at corners of the tolerance box. None if
+    /// the evaluator has no prediction.
     pub(super) flips: Option<Box<FlipPrediction>>,
     conditional: ConditionalScratch,
 }

@@ -20,8 +20,8 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// Relative deviation from an estimate up to which a first-order figure is accepted even outside the
-/// confidence interval.
+/// A first-order figure is accepted even outside the confidence interval if it deviates from the estimate by
+/// at most this share.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
 /// Deviation from an estimate up to which a first-order yield is accepted even outside the confidence

@@ -4,7 +4,7 @@ use super::entities::{PathVertex, PlanPath};
 use nalgebra::Vector2;
 use std::collections::HashMap;
 
-/// Largest distance, m, between two ends that count as one point.
+/// Two ends count as one point if their distance is at most this value, m.
 pub const JOINT: f64 = 1e-5;
 
 /// Open path, with the line of the file at which it begins.

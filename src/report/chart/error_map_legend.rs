@@ -15,7 +15,7 @@ const REACH: [(Ink, &str); 4] =
 
 /// Longest scale bar, px.
 const MAX_BAR: f64 = 160.0;
-/// Share of the greatest value up to which a value counts as zero.
+/// A value counts as zero if it is at most this share of the greatest value.
 const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Returns the SVG attributes of the k-th outline of the reach.
