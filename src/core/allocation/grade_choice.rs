@@ -42,7 +42,7 @@ impl PartialOrd for GradeBranch {
 }
 
 impl Ord for GradeBranch {
-    /// Orders branches so that the heap returns the branch with the least bound first.
+    /// Compares branches so that the heap returns the branch with the least bound first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.relaxed.bound.total_cmp(&self.relaxed.bound)
     }

@@ -18,8 +18,8 @@ pub struct SampledSpots {
 }
 
 impl SampledSpots {
-    /// Samples the errors at the spots of all operations; there are no estimates unless the reading is
-    /// statistical.
+    /// Draws samples of the errors at the spots of all operations; there are no estimates unless the reading
+    /// is statistical.
     pub fn new(workcell: &Workcell, layout: &Layout, maps: &[OperationMap]) -> Self {
         let cell = &workcell.cell;
         let mut samples = vec![None; maps.len()];

@@ -153,7 +153,7 @@ impl Workcell {
         self.mapper.evaluator(operation)
     }
 
-    /// Poses the solids of a layout.
+    /// Sets the poses of the solids of a layout.
     pub fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }

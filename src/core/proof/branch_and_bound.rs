@@ -68,7 +68,7 @@ struct JointBox {
 }
 
 impl Ord for JointBox {
-    /// Orders boxes so that the heap returns the box with the least bound first.
+    /// Compares boxes so that the heap returns the box with the least bound first.
     ///
     /// Among boxes with equal bounds, the heap returns the newest box first.
     fn cmp(&self, other: &Self) -> Ordering {

@@ -3,15 +3,15 @@
 //!
 //! Seen from the link after the first joint (on the tool side), the errors before this joint rotate about its
 //! axis. Let an error move or rotate the arm along or about a horizontal direction u, with the variance v.
-//! Its contribution to the bound of a statistic is `v u . M(p) u`, with a matrix M that depends on the
-//! position p of the measured point. Two errors of the same kind with the same variance in perpendicular
-//! directions give `v tr M`, whatever their direction. The bound therefore takes the variances of each kind
-//! of error as an isotropic part, and an excess in one direction.
+//! The contribution of this error to the bound of a statistic is `v u . M(p) u`, with a matrix M that depends
+//! on the position p of the measured point. Two errors of the same kind with the same variance in
+//! perpendicular directions give `v tr M`, whatever their direction. The bound therefore takes the variances
+//! of each kind of error as an isotropic part, and an excess in one direction.
 //!
 //! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal,
-//! and let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives `M =
-//! A`. A rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`. In
-//! both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the
+//! and let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives
+//! `M = A`. A rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`.
+//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the
 //! isotropy times the contribution of an isotropic error with the variance `v / 2`.
 
 use super::coordinates::DIRECTION_ROUNDING;

@@ -263,8 +263,8 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof::new(workcell, operations, interrupted)
 }
 
-/// Bounds the value of one operation over several regions. The bound is the least of the bounds over the
-/// single regions.
+/// Returns a lower bound of the value of one operation over several regions. The bound is the least of the
+/// bounds over the single regions.
 ///
 /// The second result states whether the proof was interrupted.
 fn of_regions(
@@ -295,7 +295,8 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// Bounds the value of one operation over a region. `known` is the least value known so far, if any.
+/// Returns a lower bound of the value of one operation over a region. `known` is the least value known so
+/// far, if any.
 ///
 /// The second result states whether the proof was interrupted.
 fn of_operation(

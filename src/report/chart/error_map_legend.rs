@@ -36,7 +36,7 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));
     if scales.every > 1 {
         canvas.paragraph(&format!(
-            "one node of {} is drawn along each axis; the spots are chosen from all nodes",
+            "one in every {} nodes is drawn along each axis; the spots are chosen from all nodes",
             scales.every
         ));
     }
