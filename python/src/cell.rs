@@ -228,7 +228,7 @@ impl Cell {
         records::object(py, "BudgetDocument", &document)
     }
 
-    /// Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits.
+    /// Returns the sensitivity to misplaced equipment, and the largest misplacement within the limits.
     #[pyo3(signature = (**question))]
     fn robust<'py>(
         &self,
@@ -255,7 +255,7 @@ impl Cell {
         View::new(py, self, port, open)
     }
 
-    /// Returns a function from layouts to costs, for an optimiser of the user's own.
+    /// Returns a function from layouts to costs, for an optimizer of the user's own.
     fn evaluator(&self, py: Python<'_>) -> PyResult<Evaluator> {
         Evaluator::new(py, self.clone())
     }

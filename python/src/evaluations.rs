@@ -72,7 +72,7 @@ impl Evaluations {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.objective.unwrap_or(f64::NAN)))
     }
 
-    /// Whether each layout is feasible and keeps every limit, shape (n,).
+    /// Whether each layout is feasible and within every limit, shape (n,).
     #[getter]
     fn feasible<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.is_accepted))

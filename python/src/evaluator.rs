@@ -1,4 +1,4 @@
-//! Evaluation of layouts for an optimiser of the user's own: a function from layouts to costs.
+//! Evaluation of layouts for an optimizer of the user's own: a function from layouts to costs.
 
 use crate::at_layout::at_layout;
 use crate::cell::Cell;
@@ -46,7 +46,7 @@ struct Rows {
     is_one: bool,
 }
 
-/// Returns a function from layouts to costs, for an optimiser of the user's own.
+/// Returns a function from layouts to costs, for an optimizer of the user's own.
 #[pyfunction]
 pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
     Evaluator::new(py, cell.clone())
@@ -203,7 +203,7 @@ impl Evaluator {
 
     /// Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
     ///
-    /// The cost of a layout that keeps every limit is its objective, in `unit`. A layout that misses a limit
+    /// The cost of a layout within every limit is its objective, in `unit`. A layout that misses a limit
     /// costs more than 100 times the weight of the objective, in m, rad or shares, which is converted to
     /// `unit`. An infeasible layout costs at least 1000 times that weight. The cost of such a layout
     /// increases with its distance from feasibility.

@@ -1,10 +1,10 @@
-"""Compares three optimisers of other projects, run on the evaluator of the Python package, with the search of
+"""Compares three optimizers of other projects, run on the evaluator of the Python package, with the search of
 sweetspot.
 
     pip install ./python cma optuna nevergrad && python results/optimisers/run.py
 
 This command writes results.json and the tables of README.md beside this file. `--quick` runs one seed of each
-optimiser as a quick test, and prints the tables. `--speed` measures only the speed of the evaluator.
+optimizer as a quick test, and prints the tables. `--speed` measures only the speed of the evaluator.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PRIMES = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37], dtype=float)
 
 
 class Run:
-    """Improvements of one optimiser: number of layouts, seconds and cost at each."""
+    """Improvements of one optimizer: number of layouts, seconds and cost at each."""
 
     def __init__(self, f: ss.Evaluator, budget: int) -> None:
         self.f, self.left, self.count, self.best = f, budget, 0, np.inf
@@ -103,7 +103,7 @@ PACKAGES = {"pycma": "cma", "nevergrad": "nevergrad", "optuna": "optuna"}
 
 
 def study(name: str, seeds: range) -> dict[str, Any]:
-    """Runs every optimiser on a cell, and finds when each run came within 1 % of the least cost of all runs."""
+    """Runs every optimizer on a cell, and finds when each run came within 1 % of the least cost of all runs."""
     cell = ss.Cell.read(ROOT / "cells" / f"{name}.toml")
     runs: dict[str, list[list[tuple[int, float, float]]]] = {}
     for kind, (optimise, budget) in OPTIMISERS.items():
@@ -154,7 +154,7 @@ def speed(name: str) -> dict[str, Any]:
 
 
 def tables(results: dict[str, Any]) -> str:
-    lines = ["| cell | variables | optimum | optimiser | layouts to 1 % | seconds to 1 % | reached 1 % |", "|---|---|---|---|---|---|---|"]
+    lines = ["| cell | variables | optimum | optimizer | layouts to 1 % | seconds to 1 % | reached 1 % |", "|---|---|---|---|---|---|---|"]
     for entry in results["studies"]:
         for kind, hits in entry["rows"].items():
             found = [hit for hit in hits if hit]

@@ -1,8 +1,8 @@
 //! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
 //! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the folder
-//! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be
-//! written, every run computes the results again.
+//! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder is not writable,
+//! every run computes the results again.
 //!
 //! An entry is read only if it belongs to this user and nobody else may write to it. The hash stored in the
 //! entry must match the key and the content. Other users who may write to the cache folder therefore cannot

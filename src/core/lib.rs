@@ -2,7 +2,7 @@
 //!
 //! The core does no input or output. The crate `sweetspot` adds files, documents, reports and the command.
 //! The documentation of that crate explains the problem and the flow of data. The core is a separate crate,
-//! so the compiler can optimise the mathematics fully and still compile the code for files and reports
+//! so the compiler can optimize the mathematics fully and still compile the code for files and reports
 //! quickly.
 
 pub mod allocation;

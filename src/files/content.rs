@@ -2,7 +2,7 @@
 
 use crate::safe_text::shown;
 
-/// Kind of a recognised file that is not a TOML file.
+/// Kind of a recognized file that is not a TOML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileContent {
     Urdf,
@@ -19,11 +19,11 @@ pub enum FileContent {
     Binary,
 }
 
-/// Number of bytes at the start of a file that are examined to recognise the file.
+/// Number of bytes at the start of a file that are examined to recognize the file.
 const HEAD: usize = 4_000;
 
 impl FileContent {
-    /// Returns the kind of the file with this content; None for TOML and for unrecognised content.
+    /// Returns the kind of the file with this content; None for TOML and for unrecognized content.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         let head = &bytes[..bytes.len().min(HEAD)];
         let text = String::from_utf8_lossy(head);

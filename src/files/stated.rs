@@ -168,7 +168,7 @@ impl<'f> FaultList<'f> {
     }
 
     fn add_number(&mut self, line: usize, value: &str) {
-        let message = format!("`{}` is not a number of m or rad", shown(value));
+        let message = format!("`{}` is not a number in m or rad", shown(value));
         self.add(line, message, "lengths are in m and angles in rad");
     }
 

@@ -71,7 +71,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<TargetRow>, Vec<Fault>> {
                     faults.push(fault(
                         line,
                         message,
-                        "write a number of mm or degrees, from -1000000 to 1000000",
+                        "write a number in mm or degrees, from -1000000 to 1000000",
                     ));
                 }
             }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `allocate --json`.
 pub const ALLOCATION_SCHEMA: &str = "sweetspot/allocation/1";
 
-/// Tolerance allocation: the cheapest tolerances with which every operation keeps its limit.
+/// Tolerance allocation: the cheapest tolerances with which every operation stays within its limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AllocationDocument {
@@ -28,7 +28,7 @@ pub struct AllocationDocument {
     /// Name of the figure that is limited.
     pub quantity: String,
     pub registration: Registration,
-    /// Share of random arms that must keep each limit; null unless the quantity is the yield.
+    /// Share of random arms that must stay within each limit; null unless the quantity is the yield.
     pub demanded_yield: Option<f64>,
     pub status: AllocationStatus,
     /// Cost of the tolerances in the error set.
@@ -40,7 +40,7 @@ pub struct AllocationDocument {
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
-    /// Uniform tightening for comparison; null if no common scale keeps the limits.
+    /// Uniform tightening for comparison; null if no common scale meets the limits.
     pub uniform: Option<UniformEntry>,
     pub parameters: Vec<AllocatedEntry>,
     /// Names of the error parameters that the allocation does not change, because they are measured or
@@ -57,7 +57,7 @@ pub struct AllocationDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
-    /// The tolerances keep all limits at the least cost.
+    /// The tolerances meet all limits at the least cost.
     Cheapest,
     /// The figures of the full error model still exceed a limit after the last round of adaptation.
     Exceeded,
@@ -65,7 +65,7 @@ pub enum AllocationStatus {
     Infeasible,
 }
 
-/// One common scale of all tolerances that keeps the limits.
+/// One common scale of all tolerances that meets the limits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UniformEntry {
@@ -167,13 +167,13 @@ pub struct BoundEntry {
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
     /// Largest excess over a limit that the full error model finds for the first solution, percent. Negative
-    /// if the solution keeps all limits.
+    /// if the solution meets all limits.
     pub missed_percent: f64,
     /// Number of rounds that adapted the linear requirements to the full model.
     pub rounds: usize,
     /// Number of rounds that Monte Carlo samples caused.
     pub sampled_rounds: usize,
-    /// Largest excess over a limit at the end, percent; negative if all limits are kept.
+    /// Largest excess over a limit at the end, percent; negative if all limits are met.
     pub excess_percent: f64,
     /// Number of cone programs that were solved for the last solution.
     pub programs: usize,

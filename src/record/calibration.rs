@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `calibrate --json`.
 pub const CALIBRATION_SCHEMA: &str = "sweetspot/calibration/1";
 
-/// Share of a parameter in an undetermined combination above which the parameter is named.
+/// A parameter of an undetermined combination is named if its share in the combination is above this value.
 const NAMED_SHARE: f64 = 0.3;
 
 /// Kinematic errors of a robot, identified from measured positions.

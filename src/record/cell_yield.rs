@@ -7,7 +7,8 @@ use crate::cell::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of arms that keep the limits of the operations, estimated by Monte Carlo with the nonlinear model.
+/// Share of arms that stay within the limits of the operations, estimated by Monte Carlo with the nonlinear
+/// model.
 ///
 /// One sample is one arm in one cell. For each sample, the error of every operation at its spot is compared
 /// with the limit. An operation at every node is judged at its worst node. An operation without a limit
@@ -16,9 +17,10 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct CellYieldEntry {
     pub samples: usize,
-    /// Share of arms that keep the limits of all operations.
+    /// Share of arms that stay within the limits of all operations.
     pub together: EstimateEntry,
-    /// Share of arms that keep the limit of each operation alone; only operations with a limit are listed.
+    /// Share of arms that stay within the limit of each operation alone; only operations with a limit are
+    /// listed.
     pub operations: ByName<EstimateEntry>,
 }
 

@@ -7,20 +7,20 @@ use crate::cycle_time::{CyclePhase, CycleStep, CycleTime};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Least time of the operations and motions of a layout, at the greatest speeds and accelerations of the
+/// Least time of the operations and motions of a layout, at the maximum speeds and accelerations of the
 /// joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CycleTimeEntry {
-    /// Sum of the times of all steps; null if a joint has no greatest speed.
+    /// Sum of the times of all steps; null if the maximum speed of a joint is not given.
     pub total_s: Option<f64>,
     /// Whether the robot returns to the first operation, so that the total is the time of a cycle.
     pub is_cycle: bool,
     /// Whether an acceleration is assumed, so that the times are estimates.
     pub is_estimate: bool,
-    /// Steps in the order of execution; empty if a joint has no greatest speed.
+    /// Steps in the order of execution; empty if the maximum speed of a joint is not given.
     pub steps: Vec<CycleStepEntry>,
-    /// Joints whose greatest speed is missing.
+    /// Joints whose maximum speed is missing.
     pub missing_speeds: Vec<String>,
 }
 

@@ -22,10 +22,10 @@ pub struct GoalsEntry {
     pub singularity: f64,
     pub travel_deg: f64,
     pub footprint_m2: f64,
-    /// Least time of the motions and the operations; absent if a joint has no greatest speed.
+    /// Least time of the motions and the operations; absent if the maximum speed of a joint is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
-    /// Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances.
+    /// Cost of the cheapest tolerances that meet every limit; absent if the search does not price tolerances.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
 }

@@ -43,8 +43,8 @@ pub struct MapDocument<'a> {
     pub notes: Vec<String>,
     /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance.
     pub overlaps: Vec<String>,
-    /// Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
-    /// reading is statistical, every operation has a spot, and an operation has a limit.
+    /// Share of arms that stay within the limits of all operations, and of each operation alone. Left out
+    /// unless the reading is statistical, every operation has a spot, and an operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Values that the cell file leaves out and that were assumed.

@@ -62,7 +62,7 @@ pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }
 
-/// Distance from a joint limit below which a joint counts as near the limit, as a share of the travel.
+/// A joint counts as near a limit if its distance from the limit is below this share of the travel.
 pub const NEAR_LIMIT: f64 = 0.05;
 
 /// Returns whether each joint is near one of its limits.

@@ -50,7 +50,7 @@ pub struct RemedyEntry {
     pub objective: Option<f64>,
     /// Reduction of the objective relative to the present layout, percent.
     pub gain_percent: Option<f64>,
-    /// Whether every operation keeps its limit; null if no operation has a limit.
+    /// Whether every operation stays within its limit; null if no operation has a limit.
     pub within_limits: Option<bool>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
@@ -117,21 +117,21 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let drawn = value(Remedy::AsDrawn);
     let to = |remedy| format!("from {drawn} to {}", value(remedy));
     let said = match (&remedies.advised()[..], remedies.has_limits()) {
-        ([], true) => "No remedy keeps every limit: neither calibrating, nor moving, nor both.".to_string(),
+        ([], true) => "No remedy meets every limit: neither calibrating, nor moving, nor both.".to_string(),
         ([], false) => "No remedy gives a feasible layout.".into(),
-        ([Remedy::AsDrawn, ..], true) => "The cell keeps every limit as it stands.".into(),
+        ([Remedy::AsDrawn, ..], true) => "The cell meets every limit as it stands.".into(),
         ([Remedy::AsDrawn, ..], false) => {
             "Neither calibrating nor moving lowers the error by 1 % or more.".into()
         }
         ([Remedy::Calibrated, Remedy::Moved, ..], _) => format!(
-            "Calibrate or move: each alone keeps every limit. Calibrating changes the error {}, and moving \
+            "Calibrate or move: each alone meets every limit. Calibrating changes the error {}, and moving \
              changes the error to {}.",
             to(Remedy::Calibrated),
             value(Remedy::Moved)
         ),
         ([Remedy::Calibrated, ..], true) => {
             format!(
-                "Calibrate: calibrating alone keeps every limit, and changes the error {}.",
+                "Calibrate: calibrating alone meets every limit, and changes the error {}.",
                 to(Remedy::Calibrated)
             )
         }
@@ -144,7 +144,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         }
         ([Remedy::Moved, ..], true) => {
             format!(
-                "Move the equipment: moving alone keeps every limit, and changes the error {}.",
+                "Move the equipment: moving alone meets every limit, and changes the error {}.",
                 to(Remedy::Moved)
             )
         }

@@ -101,9 +101,9 @@ pub struct JointSheet {
     /// Least and greatest coordinate, in `unit`.
     pub limits: [f64; 2],
     pub unit: Unit,
-    /// Greatest speed, in `unit` per s; null if the robot file states none.
+    /// Maximum speed, in `unit` per s; null if the robot file states none.
     pub max_velocity: Option<f64>,
-    /// Greatest acceleration, in `unit` per s^2; null if the robot file states none.
+    /// Maximum acceleration, in `unit` per s^2; null if the robot file states none.
     pub max_acceleration: Option<f64>,
 }
 

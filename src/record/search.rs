@@ -43,7 +43,7 @@ pub struct SearchResult {
     pub proof: ProofEntry,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of layouts evaluated that are feasible and keep every limit.
+    /// Number of evaluated layouts that are feasible and within every limit.
     pub feasible: u64,
     /// Reason why the search ended.
     pub ended: SearchEnd,
@@ -80,7 +80,7 @@ pub struct SearchResult {
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
     /// the search chooses a layout whose equipment can be displaced far. Null if no layout is feasible and
-    /// keeps every limit.
+    /// within every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// Regions in which each piece that the search places may also stand.
@@ -98,8 +98,8 @@ pub struct SearchResult {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    /// statistical, every operation has a spot, and at least one operation has a limit.
+    /// Overall yield: share of sampled arms that stay within the limits of all operations. Present if the
+    /// reading is statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Cycle time of the best layout; left out if that layout is not feasible.
@@ -127,11 +127,11 @@ pub struct IslandEntry {
     /// Whether this island found the best layout: the layout with the least objective. If several islands are
     /// equally good, the first one counts.
     pub is_best: bool,
-    /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.
+    /// Least objective found, in `unit`; null if no layout is feasible and within every limit.
     pub least_value: Option<f64>,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of layouts evaluated that are feasible and keep every limit.
+    /// Number of evaluated layouts that are feasible and within every limit.
     pub feasible: u64,
     /// Reason why the search ended.
     pub ended: SearchEnd,
@@ -181,8 +181,8 @@ pub struct StartEntry {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    /// statistical, every operation has a spot, and at least one operation has a limit.
+    /// Overall yield: share of sampled arms that stay within the limits of all operations. Present if the
+    /// reading is statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Cycle time; left out if the layout is not feasible.

@@ -39,8 +39,8 @@ pub struct VerdictDocument {
     pub requirement: RequirementState,
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
-    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    /// statistical, every operation has a spot, and at least one operation has a limit.
+    /// Overall yield: share of sampled arms that stay within the limits of all operations. Present if the
+    /// reading is statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Placements of the equipment and of the robot base; empty if the layout is not feasible.

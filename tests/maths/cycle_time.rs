@@ -28,7 +28,7 @@ fn posture(values: &[f64]) -> JointVector {
     std::array::from_fn(|j| values.get(j).copied().unwrap_or(0.0))
 }
 
-/// Returns the time by integration over the phase plane. The speed at every point is the greatest speed that
+/// Returns the time by integration over the phase plane. The speed at every point is the maximum speed that
 /// the motion can have reached and from which it can still stop. The points are denser at the ends, where the
 /// motion is slow.
 fn integrated(distance: f64, velocity: f64, acceleration: f64) -> f64 {

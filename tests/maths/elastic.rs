@@ -1,4 +1,4 @@
-//! Tests elastic errors (deflections by gravity) against closed forms, finite differences, an independent
+//! Tests elastic errors (deflections under gravity) against closed forms, finite differences, an independent
 //! spring model, Monte Carlo and plain searches.
 
 use crate::common::{cases, robots, shipped};

@@ -252,7 +252,8 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < extent.within), "{extent:?} {want:?}");
 }
 
-/// Just inside every crossing, a branch keeps all limits. Just outside, no branch keeps all limits.
+/// Just inside every crossing, a branch stays within all limits. Just outside, no branch stays within all
+/// limits.
 #[test]
 fn every_boundary_crossing_of_the_hitachi_is_real() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {

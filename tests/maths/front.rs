@@ -32,7 +32,7 @@ fn listed_cell(work: &str, more: &str) -> Cell {
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// States a greatest speed and acceleration for every joint, so that the layouts have a cycle time.
+/// States a maximum speed and acceleration for every joint, so that the layouts have a cycle time.
 fn timed(mut cell: Cell) -> Cell {
     for (k, joint) in cell.robot.joints.iter_mut().enumerate() {
         joint.rates.velocity = Some([2.0, 1.0, 1.5, 3.0][k % 4]);

@@ -1,4 +1,4 @@
-//! Tests of the mathematics. They belong to the package `sweetspot-core`, which the compiler optimises,
+//! Tests of the mathematics. They belong to the package `sweetspot-core`, which the compiler optimizes,
 //! because many of them need much computing time. The command `cargo test --test maths clearance::` runs the
 //! tests of one file or folder.
 //!

@@ -373,7 +373,7 @@ fn hostile_meshes_are_refused_with_a_place_and_little_memory() {
     assert!(broken >= 200, "only {broken} of the damaged files were refused");
 }
 
-/// Valid meshes of the largest size also keep the memory limit.
+/// Valid meshes of the largest size also stay within the memory limit.
 #[test]
 fn the_largest_meshes_need_little_memory() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -124,14 +124,14 @@ class Cell:
         """Returns the share of each parameter in the error at the spots of one or of all operations, or at the node
         `at` of one operation."""
     def robust(self, **question: Unpack[_Question]) -> RobustDocument:
-        """Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits."""
+        """Returns the sensitivity to misplaced equipment, and the largest misplacement within the limits."""
     def report(self, path: _Path) -> VerdictDocument:
         """Writes one HTML page about the start layout, and returns the verdict. An existing page is replaced."""
     def view(self, *, port: int = 0, open: bool = False) -> View:
         """Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is not in
         use, and `open` opens the page in the browser."""
     def evaluator(self) -> Evaluator:
-        """Returns a function from layouts to costs, for an optimiser of the user's own."""
+        """Returns a function from layouts to costs, for an optimizer of the user's own."""
     @property
     def name(self) -> str: ...
     @property
@@ -256,7 +256,7 @@ class Evaluator:
     def __call__(self, /, layouts: npt.ArrayLike, *, units: bool = False) -> Any:
         """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
 
-        The cost of a layout that keeps every limit is its objective, in `unit`. A layout that misses a limit costs more
+        The cost of a layout within every limit is its objective, in `unit`. A layout that misses a limit costs more
         than 100 times the weight of the objective, in m, rad or shares, which is converted to `unit`. An infeasible
         layout costs at least 1000 times that weight. The cost of such a layout increases with its distance from
         feasibility.
@@ -283,7 +283,7 @@ class Evaluations:
         """Objectives in `unit`, shape (n,); NaN for a layout that is not feasible."""
     @property
     def feasible(self) -> npt.NDArray[np.bool_]:
-        """Whether each layout is feasible and keeps every limit, shape (n,)."""
+        """Whether each layout is feasible and within every limit, shape (n,)."""
     @property
     def values(self) -> _Floats:
         """Value of every operation at its spot in `unit`, shape (n, operations); NaN if the operation has no spot."""
@@ -394,7 +394,7 @@ def compare(*layouts: Cell | Search, names: list[str] | None = None) -> Comparis
     """Compares the start layouts of cells and the best layouts of searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
-    """Returns a function from layouts to costs, for an optimiser of the user's own."""
+    """Returns a function from layouts to costs, for an optimizer of the user's own."""
 
 def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
     """Returns a built-in robot by its name, or reads a robot file or a URDF."""

@@ -80,7 +80,7 @@ pub enum Command {
     /// Rank the error sources at a spot, to show which tolerance to tighten first
     #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
     Budget(BudgetArguments),
-    /// Allocate tolerances: find the cheapest set with which every operation keeps its limit
+    /// Allocate tolerances: find the cheapest set with which every operation stays within its limit
     #[command(before_help = "Example: sweetspot allocate cells/hitachi_cell.toml --limit 20")]
     Allocate(AllocateArguments),
     /// Show the error calculation of one posture step by step

@@ -1,4 +1,4 @@
-//! `allocate`: finds the cheapest tolerances with which every operation keeps its limit.
+//! `allocate`: finds the cheapest tolerances with which every operation stays within its limit.
 
 use super::{suggest_with, workcell};
 use crate::assess::{AllocatedNodes, CellAllocation, NoAllocation, NodeChoice};

@@ -76,7 +76,7 @@ fn told(folder: &Path) -> SearchFacts {
     }
 }
 
-/// Labels layouts of the same name by the differing parts of their paths.
+/// Distinguishes layouts of the same name by the differing parts of their paths.
 fn name_apart(cells: &mut [(String, Workcell)], paths: &[PathBuf]) {
     let labels: Vec<String> = cells.iter().map(|(label, _)| label.clone()).collect();
     let is_twin = |label: &String| labels.iter().filter(|l| *l == label).count() > 1;

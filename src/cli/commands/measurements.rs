@@ -172,8 +172,8 @@ fn remarks(
     said
 }
 
-/// Distance between the robot base and the origin of the positions, m, below which the positions count
-/// as given in the base frame.
+/// Positions count as given in the base frame if their origin is nearer to the robot base than this distance,
+/// m.
 const NEAR_BASE: f64 = 0.03;
 
 /// Least cosine of the angle between two axes that both count as vertical.

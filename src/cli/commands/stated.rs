@@ -16,12 +16,12 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// Distance between a stated and a nominal joint frame, m, above which the calibration must belong to another
-/// robot and is refused.
+/// A calibration must belong to another robot, and is refused, if a stated joint frame is farther than this
+/// distance, m, from the nominal joint frame.
 const OTHER_ARM: f64 = 0.02;
 
-/// Angle between a stated and a nominal joint frame, rad, above which the calibration must belong to another
-/// robot and is refused.
+/// A calibration must belong to another robot, and is refused, if the angle between a stated and a nominal
+/// joint frame exceeds this value, rad.
 const OTHER_TURN: f64 = 0.05;
 
 /// STL mesh that replaces every mesh of a URDF except OBJ meshes, because only the kinematics of the URDF is

@@ -109,7 +109,7 @@ grid = [4, 6]        # divisions along x and y: 5 x 7 nodes
 standoff_mm = {standoff}    # height of the TCP above the surface
 bend_deg = {bend}       # elevation of the tool axis: -90 points down, 0 is horizontal
 {spins}sense = "xyz"        # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
-# limit_mm = 1       # largest allowed error: a search then reports whether the limit is kept, and the margin
+# limit_mm = 1       # largest allowed error: a search then reports whether the limit is met, and the margin
 
 {SEARCH}"#,
             range(x, aside),

@@ -18,7 +18,7 @@ const LOWEST: f64 = -0.4;
 /// Largest height of the TCP above the base, as a share of the longest reach.
 const HIGHEST: f64 = 0.8;
 
-/// Longest reach, m, up to which an arm stands on a pedestal so that the table has the height of a workbench.
+/// Longest reach, m, of an arm that stands on a pedestal so that the table has the height of a workbench.
 const BENCH_ARM: f64 = 1.5;
 
 /// Height of a workbench, mm.

@@ -88,7 +88,7 @@ grid = [6, 4]        # divisions along x and y: 7 x 5 nodes
 standoff_mm = {standoff}{}# height of the TCP above the surface
 bend_deg = -90       # elevation of the tool axis: -90 points down
 {spin}sense = "xy"         # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
-# limit_mm = 1       # largest allowed error: a search then reports whether the limit is kept, and the margin
+# limit_mm = 1       # largest allowed error: a search then reports whether the limit is met, and the margin
 
 [operation.picking]
 on = "{}"

@@ -1,4 +1,4 @@
-//! One second-order cone (or linear row) that a set of tolerances must satisfy to keep a requirement.
+//! One second-order cone (or linear row) that a set of tolerances must satisfy to meet a requirement.
 
 use nalgebra::Vector6;
 

@@ -9,16 +9,16 @@ use crate::cell::ToleranceCost;
 
 /// Largest number of cone programs for one relaxation.
 const MAX_ROUNDS: usize = 60;
-/// Relative violation of a limit above which a coarse solution adds a cut.
+/// A coarse solution adds a cut if it violates a limit by more than this share of the limit.
 const COARSE_VIOLATION: f64 = 1e-3;
-/// Relative violation of a limit below which a solution counts as keeping this limit.
+/// A solution counts as meeting a limit if it violates the limit by less than this share of the limit.
 const VIOLATION: f64 = 1e-9;
-/// Relative duality gap up to which the solution of the dual ascent needs no cone program.
+/// The solution of the dual ascent needs no cone program if its relative duality gap is at most this value.
 const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;
 
-/// Cuts found so far, which hold for every set of tolerances that keeps the requirements.
+/// Cuts found so far, which hold for every set of tolerances that meets the requirements.
 #[derive(Default)]
 pub struct CutPool {
     /// Constraint of every cut, with the index of its requirement.
@@ -30,9 +30,9 @@ pub struct CutPool {
 /// Solution of the relaxed problem, in which grades may be mixed.
 #[derive(Debug, Clone)]
 pub struct RelaxedSolution {
-    /// Scales within the domains that keep every requirement up to the accuracy of the solver.
+    /// Scales within the domains that meet every requirement up to the accuracy of the solver.
     pub scales: Vec<f64>,
-    /// Lower bound of the cost of all scales in the domains that keep every requirement.
+    /// Lower bound of the cost of all scales in the domains that meet every requirement.
     pub bound: f64,
     /// Price of every scale: the derivative of the Lagrangian without its cost term with respect to this
     /// scale, at the solution.
@@ -44,7 +44,7 @@ pub struct RelaxedSolution {
 impl CutPool {
     /// Solves the relaxed problem; `figures` are scaled so that every limit is 1.
     ///
-    /// Returns None if the solver fails. The tightest scales of the domains must keep every requirement.
+    /// Returns None if the solver fails. The tightest scales of the domains must meet every requirement.
     pub fn relaxed(
         &mut self,
         costs: &[ToleranceCost],

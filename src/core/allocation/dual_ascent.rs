@@ -11,7 +11,7 @@
 //!
 //! Each vector `y_i` belongs to one sign pattern of a worst case. Each number `mu_j` belongs to a root sum
 //! square. A pattern is added when the scales violate its limit. For any multipliers, the value of the dual
-//! is a lower bound of the cost. The scales are reduced until they keep every limit, so their cost is an
+//! is a lower bound of the cost. The scales are reduced until they meet every limit, so their cost is an
 //! upper bound. The gap between the two bounds is therefore known.
 
 use super::cone_cut::ConeCut;
@@ -30,7 +30,7 @@ const MAX_STEPS: usize = 60;
 const MAX_HALVINGS: i32 = 40;
 /// Factor between successive ridges (multiples of the identity that are added to the Hessian).
 const RIDGE_GROWTH: f64 = 1000.0;
-/// Relative gain of a step below which the dual has converged.
+/// The dual has converged when the relative gain of a step is below this value.
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
@@ -42,10 +42,10 @@ const VIOLATION: f64 = 0.01;
 /// Cheapest scales of the tolerances, found by dual ascent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PricedScales {
-    /// Scales of the tolerances, which keep every limit.
+    /// Scales of the tolerances, which meet every limit.
     pub scales: Vec<f64>,
     pub cost: f64,
-    /// Lower bound of the cost of all scales that keep the limits.
+    /// Lower bound of the cost of all scales that meet the limits.
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,
@@ -68,7 +68,7 @@ impl PricedScales {
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
 /// gap is at most `gap` if this gap can be reached.
 ///
-/// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent
+/// The costs must be continuous, and the tightest scales must meet every limit. Returns None if the ascent
 /// fails.
 pub fn priced_scales(
     costs: &[ToleranceCost],

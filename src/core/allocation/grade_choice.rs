@@ -2,7 +2,7 @@
 //!
 //! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
 //! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
-//! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
+//! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, meet the
 //! requirements. The rounded scales are then improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
@@ -17,7 +17,8 @@ use std::collections::BinaryHeap;
 const MAX_BRANCHES: usize = 4000;
 /// Relative gap at which a branch counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Largest relative violation of a limit that counts as rounding, so that chosen grades still keep the limit.
+/// Chosen grades still meet a limit if they violate it by at most this share of the limit, because rounding
+/// may be the cause.
 const ROUNDING: f64 = 1e-9;
 
 /// Branch of the search: the scales that it permits, and the solution of its relaxation.
@@ -41,7 +42,7 @@ impl PartialOrd for GradeBranch {
 }
 
 impl Ord for GradeBranch {
-    /// Orders branches so that the heap returns the branch with the least bound first.
+    /// Compares branches so that the heap returns the branch with the least bound first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.relaxed.bound.total_cmp(&self.relaxed.bound)
     }
@@ -98,7 +99,7 @@ impl GradeSearch<'_> {
         self.best.as_ref().is_none_or(|(_, cost)| bound < cost * (1.0 - CLOSED))
     }
 
-    /// Returns whether the tightest grades of a branch keep the requirements.
+    /// Returns whether the tightest grades of a branch meet the requirements.
     fn is_permitted(&mut self, domains: &[ScaleDomain]) -> bool {
         let tightest: Vec<f64> = self.costs.iter().zip(domains).map(|(c, d)| d.ends(c).0).collect();
         self.keeps(&tightest)
@@ -211,7 +212,7 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Loosens the one grade that saves most and keeps the requirements. Returns false if there is no such
+    /// Loosens the one grade that saves most and meets the requirements. Returns false if there is no such
     /// grade.
     fn loosen(&mut self, scales: &mut [f64]) -> bool {
         let mut steps: Vec<(f64, usize, f64)> = Vec::new();

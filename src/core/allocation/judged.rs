@@ -20,7 +20,7 @@ const MAX_ROUNDS: usize = 40;
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Largest relative excess of a judged figure over its limit at which the limit still counts as kept.
+/// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut
 /// before the first solution.
@@ -53,7 +53,7 @@ pub struct JudgedAllocation {
     pub missed: f64,
     /// Largest relative excess of a judged figure over its limit at the end.
     pub excess: f64,
-    /// Common scale of uniform tightening, and its cost; None if no common scale keeps the limits.
+    /// Common scale of uniform tightening, and its cost; None if no common scale meets the limits.
     pub uniform: Option<(f64, f64)>,
 }
 
@@ -113,7 +113,7 @@ impl LinearModel<'_> {
     }
 }
 
-/// Finds the cheapest tolerances that keep the limits as `judge` judges them.
+/// Finds the cheapest tolerances that meet the limits as `judge` judges them.
 ///
 /// The limits are in the unit of the figures.
 ///
@@ -173,7 +173,7 @@ pub fn allocate_judged(
     Ok(found)
 }
 
-/// Reduces all tolerances by the excess that the rounds have left, until the limits are kept.
+/// Reduces all tolerances by the excess that the rounds have left, until the limits are met.
 fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn ToleranceJudge) {
     for _ in 0..MAX_REDUCTIONS {
         if found.excess <= JUDGED_EXCESS {
@@ -190,7 +190,7 @@ fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn
     }
 }
 
-/// Returns the loosest common scale that keeps the judged limits, with its cost; None if no such scale was
+/// Returns the loosest common scale that meets the judged limits, with its cost; None if no such scale was
 /// found.
 ///
 /// The judged figures are nearly proportional to the common scale. A few corrections by the largest ratio

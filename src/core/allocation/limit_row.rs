@@ -11,7 +11,7 @@ const MAX_STEPS: usize = 80;
 const WIDEST: f64 = 60.0;
 /// Longest step of the multiplier's logarithm.
 const LONGEST: f64 = 3.0;
-/// Relative gain below which the steps of a quick bound end.
+/// The steps of a quick bound end when their relative gain is below this value.
 const QUICK_GAIN: f64 = 1e-4;
 /// Difference up to which two values count as equal, because rounding may cause it.
 const SAME: f64 = 1e-13;

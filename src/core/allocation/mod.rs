@@ -27,7 +27,8 @@
 //! (`grade_choice`).
 //!
 //! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution
-//! by the full model. The function adapts the linear requirements until the judged figures keep the limits.
+//! by the full model. The function adapts the linear requirements until the judged figures are within the
+//! limits.
 
 mod cone_cut;
 mod cone_program;

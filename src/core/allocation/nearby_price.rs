@@ -1,6 +1,6 @@
 //! Price of figures that differ a little from figures whose cheapest tolerances are known.
 //!
-//! The known scales, reduced until they keep the limits of the new figures, give an upper bound of the new
+//! The known scales, reduced until they meet the limits of the new figures, give an upper bound of the new
 //! price. The known multipliers give a lower bound, which differs from the price by about the square of the
 //! change. The two bounds decide most comparisons of a price with a limit, at a tenth of the effort of an
 //! ascent.
@@ -14,7 +14,7 @@ use nalgebra::Vector6;
 /// Largest number of Newton steps to find a common factor of the multipliers.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that keep the limits of some figures. They bound the prices of similar figures.
+/// Cheapest tolerances that meet the limits of some figures. They bound the prices of similar figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.
@@ -55,10 +55,9 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the known scales after they are reduced until they keep every limit of
-    /// `figures`.
+    /// Returns the cost of the known scales after they are reduced until they meet every limit of `figures`.
     ///
-    /// Returns None if the reduced scales cannot keep every limit.
+    /// Returns None if the reduced scales cannot meet every limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

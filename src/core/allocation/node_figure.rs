@@ -24,8 +24,8 @@ pub struct NodeFigure<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// Demanded yield, 0 to 1: this share of the arms must keep the limit. It is used only if the quantity
-    /// is the yield.
+    /// Demanded yield, 0 to 1: this share of the arms must stay within the limit. It is used only if the
+    /// quantity is the yield.
     pub share: f64,
 }
 

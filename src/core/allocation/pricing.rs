@@ -1,4 +1,5 @@
-//! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
+//! Prices of nodes: the cost of the cheapest tolerances with which an operation stays within its limit at a
+//! node.
 //!
 //! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`]
 //! judges the resulting layout by the full model. Prices by the full model would differ by a few per cent if
@@ -14,7 +15,7 @@ use crate::cell::{Cell, Operation, Parameter, ToleranceCost};
 use crate::reading::{ErrorEvaluator, EvaluatorScratch};
 use std::sync::Arc;
 
-/// Share of arms that must keep a limit if the quantity is the yield and no other share is stated.
+/// Share of arms that must stay within a limit if the quantity is the yield and no other share is stated.
 pub const DEFAULT_YIELD: f64 = 0.99;
 
 /// Largest relative gap between a price and the lower bound that proves it.
@@ -75,7 +76,7 @@ impl TolerancePricing {
         &self.costs
     }
 
-    /// Returns the cost of the tightest tolerances. A greater price means that no tolerances keep the limits.
+    /// Returns the cost of the tightest tolerances. A greater price means that no tolerances meet the limits.
     pub fn most(&self) -> f64 {
         self.most
     }
@@ -182,7 +183,8 @@ impl OperationPricing {
         figure.scaled(1.0 / self.limit)
     }
 
-    /// Returns the price of a node: the cost of the cheapest tolerances with which the node keeps the limit.
+    /// Returns the price of a node: the cost of the cheapest tolerances with which the node stays within the
+    /// limit.
     pub fn price(
         &self,
         node: &NodeFigure<'_>,

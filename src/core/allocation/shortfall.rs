@@ -4,7 +4,7 @@
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;
 
-/// Relative excess up to which the tightest tolerances count as keeping a limit.
+/// Relative excess up to which the tightest tolerances count as meeting a limit.
 const ROUNDING: f64 = 1e-12;
 
 /// Requirement that even the tightest tolerances do not keep.

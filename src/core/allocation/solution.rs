@@ -14,7 +14,7 @@ pub struct ToleranceAllocation {
     pub scales: Vec<f64>,
     /// Cost of these tolerances.
     pub cost: f64,
-    /// Lower bound of the cost of all sets of tolerances that keep the requirements.
+    /// Lower bound of the cost of any set of tolerances that meets the requirements.
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,
@@ -41,7 +41,7 @@ pub enum AllocationFailure {
     NotSolved,
 }
 
-/// Finds the cheapest tolerances that keep all requirements.
+/// Finds the cheapest tolerances that meet all requirements.
 ///
 /// # Errors
 ///

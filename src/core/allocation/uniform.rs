@@ -1,4 +1,4 @@
-//! Uniform tightening: the loosest common scale of all tolerances that keeps every requirement.
+//! Uniform tightening: the loosest common scale of all tolerances that meets every requirement.
 
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;

@@ -1,4 +1,4 @@
-//! Nodes at which a tolerance allocation keeps the limits.
+//! Nodes at which a tolerance allocation meets the limits.
 
 use super::posture_context::no_spot;
 use crate::error_map::OperationMap;
@@ -7,20 +7,21 @@ use crate::layout::Workcell;
 /// Index of a node in the list of its map, and its indices (i, j) in the grid.
 pub type ChosenNode = (usize, (usize, usize));
 
-/// Choice of the nodes at which every operation must keep its limit.
+/// Choice of the nodes at which every operation must stay within its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AllocatedNodes {
     /// The spot of an operation, or every node if the operation happens at all of its nodes.
     Spots,
     /// Every usable node.
     Usable,
-    /// For each operation, the node at which the tolerances that keep only this limit cost least.
+    /// For each operation, the node at which the tolerances that meet only this limit cost least.
     Cheapest,
     /// The node with these indices.
     Node(usize, usize),
 }
 
-/// Returns the nodes of a map at which the operation must keep its limit, each with its index in the map.
+/// Returns the nodes of a map at which the operation must stay within its limit, each with its index in the
+/// map.
 pub fn chosen(
     workcell: &Workcell,
     map: &OperationMap,

@@ -1,4 +1,5 @@
-//! Tolerance allocation of a cell: the cheapest tolerances with which its operations keep their limits.
+//! Tolerance allocation of a cell: the cheapest tolerances with which its operations stay within their
+//! limits.
 
 use super::allocated_nodes::{AllocatedNodes, chosen};
 use crate::allocation::{
@@ -23,7 +24,7 @@ pub struct AllocatedParameter {
     pub cost: ToleranceCost,
 }
 
-/// One operation at one node, which must keep the limit of the operation.
+/// One operation at one node, which must stay within the limit of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeRequirement {
     pub operation: usize,
@@ -139,7 +140,7 @@ impl<'a> CellAllocation<'a> {
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Keeps only one node for each operation. This is the node at which the tolerances that keep only this
+    /// Keeps only one node for each operation. This is the node at which the tolerances that meet only this
     /// limit cost least, by the linear model.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();

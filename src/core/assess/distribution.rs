@@ -23,7 +23,7 @@ pub struct ErrorDistribution {
 }
 
 impl ErrorDistribution {
-    /// Samples the error at the spot of an operation.
+    /// Draws samples of the error at the spot of an operation.
     ///
     /// # Errors
     /// Returns the reason if the operation has no spot, or if its error has no distribution.

@@ -69,7 +69,7 @@ pub struct SenseRow {
     pub value: f64,
 }
 
-/// All numbers behind the error of one posture; base frame, m and rad.
+/// All numbers from which the error of one posture follows; base frame, m and rad.
 pub struct Explanation<'a> {
     pub context: PostureContext<'a>,
     pub rows: Vec<DhRow>,

@@ -75,8 +75,8 @@ pub struct Assessment<'a> {
     /// Monte Carlo estimates at the spot of each operation; None without a spot, or if the reading is not
     /// statistical.
     pub samples: Vec<Option<MonteCarlo>>,
-    /// Yield of the whole cell: share of Monte Carlo samples that keep the limits of all operations at their
-    /// spots.
+    /// Yield of the whole cell: share of Monte Carlo samples that stay within the limits of all operations at
+    /// their spots.
     ///
     /// None unless the reading is statistical, every operation has a spot and at least one operation has a
     /// limit.
@@ -227,7 +227,7 @@ impl<'a> Assessment<'a> {
 
     /// Computes the cycle time with its steps.
     ///
-    /// Returns None if the layout is infeasible, or if a joint has no greatest speed.
+    /// Returns None if the layout is infeasible, or if the maximum speed of a joint is not given.
     pub fn cycle_time(&self) -> Option<CycleTime> {
         self.workcell.cycle_time(&self.layout, &self.evaluation)
     }
@@ -275,7 +275,7 @@ impl<'a> Assessment<'a> {
         Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
-    /// Returns whether every operation that has a limit and a spot keeps this limit.
+    /// Returns whether every operation that has a limit and a spot stays within this limit.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }

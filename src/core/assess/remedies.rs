@@ -82,7 +82,7 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which suffices alone; empty if no remedy suffices.
     ///
-    /// If there are limits, the advised remedies keep the limits with the least work. Otherwise, a remedy
+    /// If there are limits, the advised remedies meet the limits with the least work. Otherwise, a remedy
     /// qualifies if its error exceeds the least error by at most 1 % of the error as drawn. Only the
     /// qualifying remedy with the least work is advised.
     pub fn advised(&self) -> Vec<Remedy> {

@@ -1,6 +1,6 @@
 //! Monte Carlo check of the spots of a layout, and the overall yield.
 //!
-//! The overall yield is the share of samples that keep the limits of all operations together.
+//! The overall yield is the share of samples that stay within the limits of all operations together.
 
 use crate::cell::{Layout, Reading};
 use crate::error_map::{OperationMap, PostureRecord};
@@ -18,8 +18,8 @@ pub struct SampledSpots {
 }
 
 impl SampledSpots {
-    /// Samples the errors at the spots of all operations; there are no estimates unless the reading is
-    /// statistical.
+    /// Draws samples of the errors at the spots of all operations; there are no estimates unless the reading
+    /// is statistical.
     pub fn new(workcell: &Workcell, layout: &Layout, maps: &[OperationMap]) -> Self {
         let cell = &workcell.cell;
         let mut samples = vec![None; maps.len()];

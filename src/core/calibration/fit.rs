@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Largest number of Newton steps.
 const STEPS: usize = 100;
-/// Largest step, in prior standard deviations, at which the fit has converged.
+/// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
 /// Smallest share of a scoring step by which the variances change.
 const LEAST_SHARE: f64 = 0.1;
@@ -24,7 +24,7 @@ const SURE: f64 = 0.1;
 const DAMPING: f64 = 4.0;
 /// Largest damping that a successful step sets to 0.
 const LEAST_DAMPING: f64 = 0.1;
-/// Largest relative change of a variance that counts as converged.
+/// A variance has converged when its relative change is at most this value.
 const SETTLED: f64 = 1e-2;
 /// Number of positions whose covariances are computed at once.
 const STACKED: usize = 512;

@@ -10,7 +10,7 @@ use crate::cell::Parameter;
 use crate::robot::Chain;
 use nalgebra::{Cholesky, Const, Matrix3, Vector3};
 
-/// Normalised residual above which the loss grows linearly (Huber 1964).
+/// Normalized residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
 /// Prior standard deviation of each coordinate of a reflector, m.
 pub(super) const FARTHEST_REFLECTOR: f64 = 1.0;

@@ -10,7 +10,7 @@
 //!
 //! Each session has its own B and f. The errors in T are common to all sessions. These errors comprise errors
 //! of the Denavit-Hartenberg rows, elastic terms, and periodic errors of the joints. Between parallel axes,
-//! dbeta replaces dr (Hayati 1983). The fit minimises, with Huber's loss,
+//! dbeta replaces dr (Hayati 1983). The fit minimizes, with Huber's loss,
 //!
 //! ```text
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f

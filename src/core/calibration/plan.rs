@@ -12,8 +12,8 @@
 //! joint space. Two poses near each other have nearly the same misfit, so the second of them adds little
 //! information. The remaining errors e_i are independent.
 //!
-//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
-//! the task (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns
+//! A plan minimizes the expected squared error of the predicted tool position, averaged over the postures of
+//! the task (I-optimality). A plan that maximizes a determinant (D-optimality) would determine all unknowns
 //! well, even those that the task does not need. After a calibration the base is registered anew, so a rigid
 //! motion that fits the candidates does not count as an error.
 

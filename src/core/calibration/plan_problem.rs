@@ -6,7 +6,7 @@ use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, SMatrix, SymmetricEigen, Vector3};
 
-/// Share of the largest eigenvalue of the task below which a direction is ignored.
+/// A direction is ignored if its eigenvalue is below this share of the largest eigenvalue of the task.
 const NEGLIGIBLE: f64 = 1e-12;
 /// Number of unknowns of the pose of the base.
 const OF_BASE: usize = 6;
@@ -113,9 +113,10 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point for a posture. Postures whose joint angles differ by full revolutions have the same point.
-/// The distance between two points is the root sum square of chords of the joint angle differences. The whole
-/// travel of a prismatic joint counts as half a revolution.
+/// Returns a point with two coordinates per joint, whose distance to other such points compares postures.
+/// Postures whose joint angles differ by full revolutions have the same point. The distance between two
+/// points is the root sum square of chords of the joint angle differences. The whole travel of a prismatic
+/// joint counts as half a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {

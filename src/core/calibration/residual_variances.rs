@@ -84,8 +84,8 @@ impl ResidualVariances {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
         let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
-        // The expectation counts as much as two joint errors. It alone decides if the data contain no
-        // information.
+        // The expected variance has the same weight as two observed joint errors. If the data contain no
+        // information, only the expected variance counts.
         for (k, (v, expected)) in self.joints.iter().zip(&self.expected).enumerate() {
             information[(k, k)] += expected.powi(-2);
             gradient[k] += (expected - v) / expected.powi(2);

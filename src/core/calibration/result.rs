@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 /// 95 % quantile of the chi-squared distribution with three degrees of freedom.
 pub const CHI_SQUARED_95: f64 = 7.814727903251179;
-/// Normalised residual above which a position is an outlier.
+/// Normalized residual above which a position is an outlier.
 const OUTLIER: f64 = 6.0;
 
 /// One session after the fit.

@@ -69,7 +69,7 @@ impl SessionFrames {
 
 /// Largest number of Gauss-Newton steps of an alignment.
 const STEPS: usize = 30;
-/// Step (m and rad) below which an alignment has converged.
+/// An alignment has converged when its step (m and rad) is below this value.
 const CONVERGED: f64 = 1e-10;
 
 /// Returns the frames of a session that fit the measured positions best, by least squares.

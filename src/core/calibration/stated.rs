@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Rotation3;
 
-/// Difference between the unit vectors of two axes above which the axes count as different.
+/// Two axes count as different if their unit vectors differ by more than this value.
 const OTHER_AXIS: f64 = 1e-9;
 
 /// Returns an error set in which every error is 0.

@@ -6,15 +6,15 @@ use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Difference between two coordinates of a joint, as a share of the range of the joint, above which two
-/// postures count as different.
+/// Two postures count as different if the coordinates of a joint differ by more than this share of the range
+/// of the joint.
 const OTHER_POSTURE: f64 = 2e-3;
 
 /// Distance between two positions, as a share of the largest distance in the file, that exceeds the
 /// repeatability of any robot.
 const UNREPEATED: f64 = 5e-3;
 
-/// Range of a joint coordinate, rad or m, below which the joint does not move.
+/// A joint counts as not moving if its coordinate varies by less than this value, rad or m.
 const STILL: f64 = 1e-3;
 
 /// Rows of the file that are left out of a calibration.

@@ -39,7 +39,7 @@ impl Identified {
     }
 }
 
-/// Share of the largest lever below which a lever is ignored.
+/// A lever is ignored if it is below this share of the largest lever.
 const SHORT_LEVER: f64 = 1.0 / 6.0;
 
 /// Returns the unknowns of a chain, with the elastic terms if `elastic` is true.

@@ -174,7 +174,7 @@ pub enum Objective {
     /// The values are compared in the order of the operations in the file. A later operation decides only
     /// between layouts that are equally good for all earlier operations.
     Lexicographic,
-    /// Cost of the cheapest tolerances with which every operation keeps its limit.
+    /// Cost of the cheapest tolerances with which every operation stays within its limit.
     ToleranceCost,
 }
 

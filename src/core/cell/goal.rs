@@ -25,7 +25,7 @@ pub enum Goal {
     Footprint,
     /// Least time of the motions from operation to operation and of the operations themselves, s, minimized.
     Time,
-    /// Cost of the cheapest tolerances with which every operation keeps its limit, minimized.
+    /// Cost of the cheapest tolerances with which every operation stays within its limit, minimized.
     Cost,
 }
 

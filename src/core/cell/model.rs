@@ -215,7 +215,7 @@ pub struct Operation {
     pub retract: f64,
     /// Time that the robot rests at the spot, or at every listed point, s.
     pub dwell: f64,
-    /// Greatest speed of the TCP on the approach and the retract, m/s; None if only the joints limit it.
+    /// Maximum speed of the TCP on the approach and the retract, m/s; None if only the joints limit it.
     pub line_speed: Option<f64>,
 }
 
@@ -308,7 +308,7 @@ impl Cell {
     /// Returns the goals that are measured for layouts of this cell.
     ///
     /// The goals include the cost of tolerances only if the search prices tolerances. The goals include the
-    /// cycle time only if every joint with an actuator has a greatest speed.
+    /// cycle time only if the maximum speed of every joint with an actuator is given.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
         Goal::ALL.into_iter().filter(move |goal| match goal {
@@ -318,7 +318,8 @@ impl Cell {
         })
     }
 
-    /// Returns whether every joint with an actuator has a greatest speed, which cycle times require.
+    /// Returns whether the maximum speed of every joint with an actuator is given. Cycle times require these
+    /// speeds.
     pub fn has_speeds(&self) -> bool {
         self.robot.joints_without_speed().is_empty()
     }

@@ -176,7 +176,7 @@ impl Cell {
         faults
     }
 
-    /// Returns every reason why the cost of the cheapest tolerances that keep the limits is not defined.
+    /// Returns every reason why the cost of the cheapest tolerances that meet the limits is not defined.
     fn pricing_faults(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let mut faults = Vec::new();
         let mut refuse = |about, message: String, help: &str| {
@@ -204,10 +204,10 @@ impl Cell {
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
                 let message =
                     format!("`{}` is judged by the {} of its nodes", operation.name, operation.over.name());
-                let help = "use over = \"max\", so that every node keeps the limit, or \"best\"";
+                let help = "use over = \"max\", so that every node stays within the limit, or \"best\"";
                 refuse(
                     About::Operation(k),
-                    format!("{message}, but tolerances keep a limit node by node"),
+                    format!("{message}, but tolerances meet a limit node by node"),
                     help,
                 );
             }
@@ -224,7 +224,7 @@ impl Cell {
         let names = missing.iter().map(|&k| format!("`{}`", shown(&self.robot.joints[k].name)));
         let names = names.collect::<Vec<_>>().join(", ");
         let message =
-            format!("the goal time needs the greatest speed of every joint, but none is stated for {names}");
+            format!("the goal time needs the maximum speed of every joint, but none is stated for {names}");
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 

@@ -1,12 +1,12 @@
 //! Limits of the speed and the acceleration of joints.
 
-/// Greatest speed and acceleration of the actuator of a joint; a limit is None if the robot file does not
+/// Maximum speed and acceleration of the actuator of a joint; a limit is None if the robot file does not
 /// state it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RateLimits {
-    /// Greatest speed, rad/s or m/s.
+    /// Maximum speed, rad/s or m/s.
     pub velocity: Option<f64>,
-    /// Greatest acceleration and deceleration, rad/s^2 or m/s^2.
+    /// Maximum acceleration and deceleration, rad/s^2 or m/s^2.
     pub acceleration: Option<f64>,
 }
 

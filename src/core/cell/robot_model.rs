@@ -181,7 +181,7 @@ impl Robot {
         self.joints.len()
     }
 
-    /// Returns the indices of the joints that have an actuator but no greatest speed.
+    /// Returns the indices of the joints with an actuator whose maximum speed is not given.
     pub fn joints_without_speed(&self) -> Vec<usize> {
         let lacks_speed = |joint: &Joint| !joint.is_passive() && joint.rates.velocity.is_none();
         let numbered = self.joints.iter().enumerate();

@@ -119,7 +119,8 @@ impl Sense {
         Self { name: name.to_string(), frame, point, unit, rows, count }
     }
 
-    /// Returns the built-in sense with a name of [`PLAIN`], in world axes; None for any other name.
+    /// Returns the built-in sense `name`, one of the names in [`PLAIN`], in world axes; None for any other
+    /// name.
     ///
     /// Names such as `xy@tool` and `xy@surface` give the sense in other axes.
     pub fn plain(name: &str) -> Option<Self> {
@@ -134,8 +135,8 @@ impl Sense {
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }
 
-    /// Returns the rows (weighted components) of the built-in sense with a name of [`PLAIN`]; None for any
-    /// other word.
+    /// Returns the rows (weighted components) of the built-in sense `word`, one of the names in [`PLAIN`];
+    /// None for any other word.
     pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
         let (turns, axes) = match word {
             "rotation" => (true, "xyz"),

@@ -101,8 +101,8 @@ impl JointEnclosure {
         half
     }
 
-    /// Checks that all joints keep their limits; `joints` are the nominal actuator coordinates. A joint that
-    /// can rotate by a full revolution has no limit, and a passive joint is not checked.
+    /// Checks that all joints stay within their limits; `joints` are the nominal actuator coordinates. A
+    /// joint that can rotate by a full revolution has no limit, and a passive joint is not checked.
     fn check_limits(&self, chain: &Chain, joints: &JointVector) -> Result<(), NoEnclosure> {
         let half = self.actuators(chain);
         for (joint, link) in chain.links.iter().enumerate() {

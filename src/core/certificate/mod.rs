@@ -4,7 +4,7 @@
 //! ([`TargetBox`]). The arm follows the target in the same branch ([`JointEnclosure`]). For all joint
 //! coordinates in this enclosure, the certificate shows that
 //!
-//! - the target stays within reach, and the joints keep their limits and margins;
+//! - the target stays within reach, and the joints stay within their limits and margins;
 //! - the posture keeps its distance from singular postures;
 //! - every solid keeps its clearance: no solid moves farther than its distance from other solids allows
 //!   ([`Misplacements`]);
@@ -77,7 +77,10 @@ impl NotCertified {
                     JointKind::Revolute => (deg_from_rad(*by), "deg"),
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
-                format!("joint {} may exceed its limit or margin by {by:.2} {unit}", shown(&joint.name))
+                format!(
+                    "joint {} could go beyond its limit, or into the margin before it, by {by:.2} {unit}",
+                    shown(&joint.name)
+                )
             }
             Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
             Self::Clearance(Hit { solid, other }) => {

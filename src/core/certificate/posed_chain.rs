@@ -28,8 +28,8 @@ use nalgebra::{Matrix6, Vector3};
 const GROWTH: f64 = 1.02;
 /// Least half width that is tried, rad or m. This value keeps rounding errors inside the enclosure.
 const LEAST_HALF: f64 = 1e-9;
-/// Sine of the angle below which axes count as parallel: far above rounding errors, and far below any
-/// tolerance.
+/// Axes count as parallel if the sine of their angle is below this value, which is far above rounding errors
+/// and far below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Largest number of trials to find half widths that pass the test.
 const TRIALS: usize = 20;

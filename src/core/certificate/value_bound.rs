@@ -23,7 +23,7 @@ use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{Matrix3, Matrix6};
 
-/// Largest relative difference of two weights that count as equal.
+/// Two weights count as equal if their relative difference is at most this value.
 const ROUNDING: f64 = 1e-12;
 
 /// Reason why the value of an operation has no upper bound over its target box.

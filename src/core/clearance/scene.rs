@@ -80,7 +80,8 @@ impl Scene {
         &self.self_collision_pairs
     }
 
-    /// Poses the equipment of a layout and checks the robot base against equipment and fence.
+    /// Sets the poses of the equipment of a layout, and checks the robot base for contact with equipment and
+    /// fence.
     pub fn place(&self, layout: &Layout, placed: &mut PlacedSolids) {
         placed.bodies.clear();
         let base = layout.base.pose();
@@ -131,9 +132,10 @@ impl Scene {
         self.is_part_free(ArmPart::Whole, placed, frames, operation, memory)
     }
 
-    /// Returns whether a part of the arm has no contact.
+    /// Returns whether the given part of the arm touches nothing.
     ///
-    /// The arm has no contact if both parts, before and behind the last joint, have no contact.
+    /// The whole arm touches nothing if neither the part before the last joint nor the part after it touches
+    /// anything.
     pub fn is_part_free(
         &self,
         part: ArmPart,

@@ -25,7 +25,7 @@ pub const MAX_STEPS: usize = 500;
 /// Largest change of a joint in one step, rad or m.
 const LONGEST_STEP: f64 = 0.1;
 
-/// Change of the joints (rad or m) below which the method has converged.
+/// The method has converged when the change of the joints (rad or m) is below this value.
 const CONVERGED: f64 = 1e-11;
 
 /// Largest distance, m, between the TCP and the target at which a correction counts as converged.

@@ -3,8 +3,8 @@
 use crate::pose::Displacement;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular value, as a share of the Frobenius norm of the matrix, below which a direction counts as
-/// singular.
+/// A direction counts as singular if its singular value is below this share of the Frobenius norm of the
+/// matrix.
 const LOST: f64 = 1e-9;
 
 /// Returns the changes of the joints (rad or m) that cause the displacement `wanted` of the TCP to first

@@ -6,13 +6,14 @@ use super::straight_move::limited_move_time;
 use crate::cell::JointVector;
 use crate::robot::Chain;
 
-/// Distance along the line, m, below which the TCP positions of two joint vectors count as the same point.
+/// The TCP positions of two joint vectors count as the same point if they are nearer than this distance along
+/// the line, m.
 const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.
 ///
-/// The arm does not stop at the joint vectors between the ends. `speed` is the greatest speed of the TCP,
-/// m/s, which may be infinite.
+/// The arm does not stop at the joint vectors between the ends. `speed` is the maximum speed of the TCP, m/s,
+/// which may be infinite.
 pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, speed: f64) -> f64 {
     let Some(first) = knots.first() else { return 0.0 };
     let position = |q: &JointVector| chain.forward(&chain.posture(q)).translation;

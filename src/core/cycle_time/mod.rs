@@ -2,8 +2,8 @@
 //! joints.
 //!
 //! Every motion has a trapezoidal speed profile or the time-optimal profile. A straight move in joint
-//! coordinates has a trapezoidal profile with synchronised joints ([`straight_move_time`]). A straight line
-//! of the TCP, such as an approach, is parameterised time-optimally ([`line_time`]). The robot stops at every
+//! coordinates has a trapezoidal profile with synchronized joints ([`straight_move_time`]). A straight line
+//! of the TCP, such as an approach, is parameterized time-optimally ([`line_time`]). The robot stops at every
 //! corner between a line and a move, because the direction of motion changes abruptly there. Blending is not
 //! modelled. Torques and jerk are not limited.
 

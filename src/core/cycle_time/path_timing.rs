@@ -1,4 +1,4 @@
-//! Time-optimal path parameterisation: the least time along a given path under limits of the joints.
+//! Time-optimal path parameterization: the least time along a given path under limits of the joints.
 //!
 //! The path q(s) is given, and s(t) is chosen. Let x be (ds/dt)^2 and u be d2s/dt2. The limits of joint j are
 //! then linear,
@@ -92,8 +92,8 @@ impl SampleLimits {
 
 /// Returns the least time, s, along a path from rest to rest.
 ///
-/// `at` holds the length of the path up to each joint vector, m. `speed` is the greatest speed along the
-/// path, m/s.
+/// `at` holds the length of the path up to each joint vector, m. `speed` is the maximum speed along the path,
+/// m/s.
 ///
 /// Between the joint vectors, the path is a cubic spline. The path is divided into 128 steps, so the result
 /// exceeds the exact least time by up to 1 %. This excess is largest if the ramps at the ends are shorter

@@ -1,4 +1,4 @@
-//! Greatest speed and acceleration of every joint of a robot.
+//! Maximum speed and acceleration of every joint of a robot.
 
 use crate::cell::{JointVector, MAX_JOINTS, Robot};
 
@@ -8,12 +8,12 @@ use crate::cell::{JointVector, MAX_JOINTS, Robot};
 /// degrees per s at 80 degrees per s^2. Fast industrial arms need less time: 0.2 to 0.4 s.
 pub const ASSUMED_FULL_SPEED_AFTER: f64 = 0.5;
 
-/// Greatest speed and acceleration of every joint; both are infinite for a joint without an actuator.
+/// Maximum speed and acceleration of every joint; both are infinite for a joint without an actuator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateBounds {
-    /// Greatest speed, rad/s or m/s.
+    /// Maximum speed, rad/s or m/s.
     pub velocity: JointVector,
-    /// Greatest acceleration and deceleration, rad/s^2 or m/s^2.
+    /// Maximum acceleration and deceleration, rad/s^2 or m/s^2.
     pub acceleration: JointVector,
     /// Whether an acceleration is computed from [`ASSUMED_FULL_SPEED_AFTER`], which makes every time an
     /// estimate.
@@ -23,7 +23,7 @@ pub struct RateBounds {
 impl RateBounds {
     /// Returns the bounds of a robot.
     ///
-    /// A joint without a stated acceleration reaches its greatest speed in [`Robot::full_speed_after`], or in
+    /// A joint without a stated acceleration reaches its maximum speed in [`Robot::full_speed_after`], or in
     /// [`ASSUMED_FULL_SPEED_AFTER`].
     ///
     /// # Errors

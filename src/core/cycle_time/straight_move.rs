@@ -6,7 +6,7 @@ use crate::cell::JointVector;
 /// Returns the least time, s, of a motion over a distance from rest to rest.
 ///
 /// The speed has a trapezoidal profile, or a triangular profile if the distance is too short for the full
-/// speed. For the distance d, the greatest speed v and the greatest acceleration a,
+/// speed. For the distance d, the maximum speed v and the maximum acceleration a,
 ///
 /// ```text
 /// t = d / v + v / a    if d >= v^2 / a,
@@ -24,10 +24,10 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
-/// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
+/// The joints are synchronized: every joint completes the same share of its travel at every instant. So the
 /// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
-/// Let d be the travel of a joint, v its greatest speed and a its greatest acceleration. The greatest speed
-/// of the share is the least `v / |d|` over all joints. The greatest acceleration of the share is the least
+/// Let d be the travel of a joint, v its maximum speed and a its maximum acceleration. The maximum speed of
+/// the share is the least `v / |d|` over all joints. The maximum acceleration of the share is the least
 /// `a / |d|`.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)

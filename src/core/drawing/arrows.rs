@@ -26,7 +26,7 @@ const LONE_SPACING: f64 = 0.1;
 const CIRCLE_CORNERS: usize = 24;
 /// Number of sides of the shaft of an arrow that is drawn as a solid.
 const SHAFT_SIDES: usize = 6;
-/// Length below which an arrow is not drawn, m.
+/// Least length of an arrow that is drawn, m.
 const MIN_LENGTH: f64 = 1e-6;
 
 /// Component of an error that an arrow shows.

@@ -16,7 +16,7 @@ pub const ABOVE: ViewAxes =
 pub const FRONT: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 
-/// Largest projected area of a face that counts as edge-on, as a share of the true area of the face.
+/// A face counts as edge-on if its projected area is at most this share of its true area.
 const EDGE_ON: f64 = 1e-6;
 /// Cosine of 60 degrees. An edge is drawn as sharp if the normals of its two faces differ by more than this
 /// angle.

@@ -14,9 +14,9 @@ pub struct PointSpot {
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. Other inverse kinematics
-/// ([`Inverse::keeps_branches`]) continues the posture: the arm moves on from these joint coordinates, and
-/// the tool rotates with the surface.
+/// Closed-form inverse kinematics finds the posture again by its branch index. Inverse kinematics without
+/// branch indices (see [`Inverse::keeps_branches`]) continues the posture: the arm moves on from these joint
+/// coordinates, and the tool rotates with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.

@@ -1,4 +1,5 @@
-//! Joint price: cost of the cheapest tolerances with which all operations of a layout keep their limits.
+//! Joint price: cost of the cheapest tolerances with which all operations of a layout stay within their
+//! limits.
 
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
@@ -7,8 +8,8 @@ use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::allocation::{LinearFigure, NearbyPrice};
 
 impl PlacedLayout<'_> {
-    /// Returns the cost of the cheapest tolerances with which every operation keeps its limit at its spot.
-    /// An operation that happens at every node keeps its limit at all nodes.
+    /// Returns the cost of the cheapest tolerances with which every operation stays within its limit at its
+    /// spot. An operation that happens at every node must stay within its limit at all nodes.
     ///
     /// Returns None if the cell does not price tolerances, if an operation has no limit, or if a posture is
     /// not found.
@@ -17,8 +18,8 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None in the cases
-    /// of [`Self::joint_price`], for discrete grades, and if the dual ascent fails.
+    /// Returns the cheapest tolerances with which every operation stays within its limit. Returns None in the
+    /// cases of [`Self::joint_price`], for discrete grades, and if the dual ascent fails.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],

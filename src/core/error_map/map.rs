@@ -119,7 +119,7 @@ impl OperationQuery<'_> {
         (status, shown.map(|candidate| (context, candidate)))
     }
 
-    /// Records the posture of a candidate with its errors by every model and in every reported sense.
+    /// Records the posture of a candidate with its errors under every model and in every reported sense.
     fn record(
         &self,
         context: &WorkContext,

@@ -149,13 +149,13 @@ impl NodeRecord {
 pub struct PostureRecord {
     pub branch: u64,
     pub joints: JointVector,
-    /// Position error by the model of the cell, m.
+    /// Position error under the model of the cell, m.
     pub error: Vector3<f64>,
-    /// Rotation error by the model of the cell, as a rotation vector, rad.
+    /// Rotation error under the model of the cell, as a rotation vector, rad.
     pub rotation: Vector3<f64>,
-    /// Position error by the nonlinear model, m.
+    /// Position error under the nonlinear model, m.
     pub nonlinear: Vector3<f64>,
-    /// Position error by the linear model, m.
+    /// Position error under the linear model, m.
     pub linear: Vector3<f64>,
     /// Deviation of the linear model, as a share of the length of the nonlinear position error.
     ///

@@ -17,8 +17,8 @@ pub struct OperationSetup {
     /// Rule that combines the values of the nodes.
     pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
-    /// Cost of the tolerances with which the operation keeps its limit; None if the search ignores this
-    /// cost.
+    /// Cost of the tolerances with which the operation stays within its limit; None if the search ignores
+    /// this cost.
     pub pricing: Option<OperationPricing>,
     /// Whether the value of a node is the cost of [`Self::pricing`] instead of an error.
     pub is_priced: bool,

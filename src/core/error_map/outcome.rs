@@ -39,7 +39,7 @@ pub enum Outcome {
         nearest: Spot,
         why: NotCertified,
     },
-    /// No node has a posture that keeps the joint limits and the attitude.
+    /// No node has a posture that stays within the joint limits and meets the attitude.
     ///
     /// For an operation at every node, this result means that at least one node has no such posture.
     Unreachable {

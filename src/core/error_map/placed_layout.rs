@@ -37,12 +37,12 @@ pub struct PlacedSurface<'a> {
 }
 
 impl<'a> PlacedLayout<'a> {
-    /// Poses the solids of a layout.
+    /// Sets the poses of the solids of a layout.
     pub fn new(mapper: &'a Mapper, layout: &'a Layout) -> Self {
         Self::reusing(mapper, layout, PlacedSolids::default())
     }
 
-    /// Poses the solids of a layout, reusing the memory of another layout's solids.
+    /// Sets the poses of the solids of a layout, and reuses the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
         Self { mapper, layout, solids, demand: None, kept: &[], takes_bounds: false }

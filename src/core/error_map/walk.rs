@@ -183,10 +183,10 @@ impl<'a> OperationQuery<'a> {
     }
 }
 
-/// Returns the status of a target from its branches: the least attitude error of the branches that keep the
-/// joint limits.
+/// Returns the status of a target from its branches: the least attitude error of the branches that are within
+/// the joint limits.
 ///
-/// If no branch keeps the limits, the status is the least violation of a joint limit.
+/// If no branch stays within the limits, the status is the least violation of a joint limit.
 pub fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));

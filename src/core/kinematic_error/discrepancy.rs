@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 /// Discrepancy `D_i = |dNL_i - dL_i| / |dNL_i|` in percent, eq. (9) of the seed paper.
 ///
-/// Here `dNL_i` and `dL_i` are the errors by the nonlinear and the linear model. The index i is x, y, z or
+/// Here `dNL_i` and `dL_i` are the errors under the nonlinear and the linear model. The index i is x, y, z or
 /// the resultant (length of the vector). A field is None if the nonlinear error is 0 up to rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
@@ -14,7 +14,7 @@ pub struct Discrepancy {
     pub resultant: Option<f64>,
 }
 
-/// Returns the discrepancy between the position errors by the nonlinear and the linear model.
+/// Returns the discrepancy between the position errors under the nonlinear and the linear model.
 ///
 /// The field `resultant` compares the lengths of the two vectors, as in the seed paper.
 pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepancy {
@@ -26,8 +26,8 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Size, m or rad, below which an error counts as a mere rounding error. An example is the residual after a
-/// registration.
+/// An error smaller than this value, m or rad, counts as a mere rounding error. An example is the residual
+/// after a registration.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear

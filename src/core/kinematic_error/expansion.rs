@@ -94,7 +94,7 @@ fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     frame(base).into_iter().chain((0..axes).flat_map(row)).chain(frame(tool))
 }
 
-/// Returns the error by the linear model, eqs. (7)-(8) of the seed paper: the sum of all small motions.
+/// Returns the error under the linear model, eqs. (7)-(8) of the seed paper: the sum of all small motions.
 pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let [sizes, of_joints] = errors.sizes();
@@ -108,10 +108,10 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
     wrong.fold(sum, |sum, (k, size)| add(sum, MotionTerm::of_joint(frames, errors.joint_frames(), k), *size))
 }
 
-/// Returns the error by the second-order model.
+/// Returns the error under the second-order model.
 ///
-/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base. Half of
-/// the motion's own rotation is added to this sum. The rotation vectors are composed to second order.
+/// The displacement that each small motion causes is rotated by the sum of all rotations nearer to the base.
+/// Half of the motion's own rotation is added to this sum. The rotation vectors are composed to second order.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());

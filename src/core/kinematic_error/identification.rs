@@ -28,7 +28,7 @@ use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{DMatrix, Vector3};
 
-/// Sine of the angle (6 degrees) below which axes count as parallel.
+/// Axes count as parallel if the sine of their angle is below this value (6 degrees).
 ///
 /// At smaller angles, the uncertainty of the offset error dr would be more than ten times as large as for
 /// perpendicular axes.

@@ -11,7 +11,7 @@
 //! - elastic deflections are rotations about the axis of a revolute joint, as dtheta is. The size of a
 //!   deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
 //!   error. The factor is computed for the chain without errors at the posture. The joint coupling does not
-//!   transmit deflections, because deflections arise behind the gears.
+//!   transmit deflections, because deflections arise on the output side of the gears.
 //!
 //! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be the
 //! twist of motion k for `a_k = 1`, in the base frame. Let T be the pose of the TCP without errors and T'

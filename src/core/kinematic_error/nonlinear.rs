@@ -1,7 +1,7 @@
 //! Nonlinear error model, eqs. (4)-(6) of the seed paper: `dT = prod(A_i + dA_i) - T`.
 //!
-//! Here `A_i` is the transform of link i, `dA_i` is its change by the errors, and T is the pose of the TCP
-//! without errors. The product is evaluated as a sequence of small motions.
+//! Here `A_i` is the transform of link i, `dA_i` is the change that the errors cause, and T is the pose of
+//! the TCP without errors. The product is evaluated as a sequence of small motions.
 
 use super::{FrameError, Perturbation, Turn};
 use crate::pose::{Displacement, Pose, SmallRotation};

@@ -9,7 +9,7 @@ use crate::error_map::{Outcome, PlacedLayout, Spot};
 impl Workcell {
     /// Computes the cycle time of a layout, with every step of the cycle.
     ///
-    /// Returns None if the layout is not feasible, if the greatest speed of a joint is not known, or if the
+    /// Returns None if the layout is not feasible, if the maximum speed of a joint is not known, or if the
     /// arm cannot follow an approach or a retract.
     pub fn cycle_time(&self, layout: &Layout, evaluation: &Evaluation) -> Option<CycleTime> {
         evaluation.objective?;

@@ -49,7 +49,7 @@ pub struct Evaluation {
     /// A robust search combines the worst values over the placement tolerances.
     pub objective: Option<f64>,
     /// Cost, which is finite for every layout. The cost equals the objective if the layout is feasible and
-    /// keeps every limit.
+    /// within every limit.
     ///
     /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout,
     /// the cost is at least 1000 times this weight, and grows with the distance from feasibility.
@@ -73,7 +73,7 @@ impl Evaluation {
         }
     }
 
-    /// Returns whether the layout is feasible and keeps every limit, as a search requires.
+    /// Returns whether the layout is feasible and within every limit, as a search requires.
     pub fn is_accepted(&self) -> bool {
         self.objective == Some(self.cost)
     }
@@ -144,7 +144,7 @@ struct Operations {
     spots: Vec<Option<Spot>>,
     /// Values of the operations. An operation without a value is left out.
     values: Vec<f64>,
-    /// Value that must keep the limit of the operation, for each entry of `values`.
+    /// Value that must be within the limit of the operation, for each entry of `values`.
     most: Vec<f64>,
     /// Sum of the penalties (m) of spots that cannot be used at every misplacement.
     lost: f64,

@@ -41,9 +41,9 @@ impl Workcell {
     ///   from spot to spot.
     /// - footprint: the area (m^2) of the convex hull of the floor spaces of robot base and equipment.
     /// - time: the least time (s) of the motions and operations ([`crate::cycle_time`]). The time is NaN if
-    ///   the greatest speed of a joint is not known, or if the arm cannot follow an approach or a retract.
-    /// - cost: the cost of the cheapest tolerances with which every operation keeps its limit at its spot.
-    ///   The cost is NaN if the search does not price tolerances.
+    ///   the maximum speed of a joint is not known, or if the arm cannot follow an approach or a retract.
+    /// - cost: the cost of the cheapest tolerances with which every operation stays within its limit at its
+    ///   spot. The cost is NaN if the search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;

@@ -91,7 +91,7 @@ struct OperationValue {
     spot: Spot,
     /// Value that counts in the objective (m, rad, share of failures, or cost of tolerances).
     value: f64,
-    /// Value that must keep the limit.
+    /// Value that must be within the limit.
     worst: f64,
 }
 
@@ -367,7 +367,8 @@ impl Judgement<'_, '_> {
     }
 
     /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective
-    /// and the value that must keep the limit. Returns None if both equal the value without misplacements.
+    /// and the value that must be within the limit. Returns None if both equal the value without
+    /// misplacements.
     fn certified(
         &self,
         operation: usize,

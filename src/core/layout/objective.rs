@@ -6,7 +6,7 @@ use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 
 /// Penalty of a feasible layout that misses a limit, as a multiple of [`Workcell::weight`].
 ///
-/// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
+/// Such a layout ranks after every layout that is within its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
 /// Largest excess over a limit that counts, m or rad. A value without a known bound has this excess.

@@ -74,8 +74,8 @@ impl Refined {
 impl Workcell {
     /// Refines the spot of every operation.
     ///
-    /// The entry is None for an operation that has no spot, has listed points, or happens at every node. All
-    /// entries are None if the layout does not belong to the cell.
+    /// The entry of an operation is None if the operation has no spot, has listed points, or happens at every
+    /// node. All entries are None if the layout does not belong to the cell.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
         if self.cell.misfit(layout).is_some() {
             return vec![None; maps.len()];

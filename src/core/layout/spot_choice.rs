@@ -69,8 +69,8 @@ pub enum SpotValue {
         /// Value of the spot (m, rad, share of failures, or cost of tolerances). In a robust search, this is
         /// the worst value over the placement tolerances.
         value: f64,
-        /// Value that must keep the limit of the operation: the largest value over the placement tolerances.
-        /// This value is infinite if no bound is known.
+        /// Value that must be within the limit of the operation: the largest value over the placement
+        /// tolerances. This value is infinite if no bound is known.
         most: f64,
     },
     /// The spot cannot be used at every misplacement.

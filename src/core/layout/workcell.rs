@@ -15,8 +15,8 @@ pub struct Workcell {
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
     certifies: bool,
-    /// Greatest speeds and accelerations of the joints, or the indices of the joints whose greatest speed
-    /// is not known.
+    /// Maximum speeds and accelerations of the joints, or the indices of the joints whose maximum speed is
+    /// not known.
     pub(super) rates: Result<RateBounds, Vec<usize>>,
     /// Floor plan whose floor spaces have room for misplacements.
     pub(super) wide: Arc<FloorPlan>,
@@ -153,7 +153,7 @@ impl Workcell {
         self.mapper.evaluator(operation)
     }
 
-    /// Poses the solids of a layout.
+    /// Sets the poses of the solids of a layout.
     pub fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }

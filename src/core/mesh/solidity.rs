@@ -8,8 +8,8 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
-    /// The surface has this many hollows. A hollow is a closed shell inside another shell, with normals
-    /// that point into the hollow.
+    /// The surface encloses this many cavities. A cavity is a closed shell inside another shell, with normals
+    /// that point into the cavity.
     Hollow(usize),
     /// The surface has a hole, an edge of more than two triangles, or neighbouring triangles of opposite
     /// orientation.

@@ -43,7 +43,7 @@ pub enum Stopped {
 /// Returns joint vectors, beginning with `from`, that move the TCP along the vector `way` (base frame, m).
 ///
 /// The attitude is constant. Each vector is computed from the vector before it, so that the branch does not
-/// change. All vectors and the straight moves between them keep the joint limits. `reach` is a
+/// change. All vectors and the straight moves between them are within the joint limits. `reach` is a
 /// characteristic length of the arm, m.
 ///
 /// # Errors

@@ -36,22 +36,22 @@ const MAX_PASSES: usize = 8;
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
-/// Length of a side of a box, m or rad, below which the side is not bisected.
+/// Least length, m or rad, of a side of a box that is bisected.
 const MIN_SIDE: f64 = 1e-12;
-/// Difference of two values, m or rad, below which the search treats them as equal.
+/// The search treats two values as equal if they differ by less than this value, m or rad.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Threshold (m or rad) of the least value found, below which the search accepts 0 as the lower bound.
+/// The search accepts 0 as the lower bound if the least value found (m or rad) is below this threshold.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoxSearchResult {
-    /// Lower bound of the value of every posture that keeps the constraints, m or rad.
+    /// Lower bound of the value of every posture that satisfies the constraints, m or rad.
     pub bound: f64,
     /// Number of boxes examined.
     pub boxes: u64,
-    /// Least value found among postures that keep the constraints, with the joint coordinates of its posture.
-    /// None if no such posture was found.
+    /// Least value found among postures that satisfy the constraints, with the joint coordinates of its
+    /// posture. None if no such posture was found.
     pub best: Option<(f64, JointVector)>,
     pub interrupted: bool,
 }
@@ -68,7 +68,7 @@ struct JointBox {
 }
 
 impl Ord for JointBox {
-    /// Orders boxes so that the heap returns the box with the least bound first.
+    /// Compares boxes so that the heap returns the box with the least bound first.
     ///
     /// Among boxes with equal bounds, the heap returns the newest box first.
     fn cmp(&self, other: &Self) -> Ordering {
@@ -90,8 +90,8 @@ impl PartialEq for JointBox {
 
 impl Eq for JointBox {}
 
-/// Returns a lower bound of the value over all postures that keep the constraints; None if no posture keeps
-/// them.
+/// Returns a lower bound of the value over all postures that satisfy the constraints; None if no posture
+/// satisfies them.
 ///
 /// The search ends when the relative gap between the bound and the least value found is at most `gap`, or
 /// after `boxes` boxes. `known` is the value of a known posture, or infinity. The result does not depend on
@@ -256,7 +256,7 @@ fn contract(
 }
 
 fn clip(part: &mut JointBox, i: usize, low: f64, high: f64) -> Option<()> {
-    // The slack prevents rounding errors from emptying a side.
+    // The slack keeps rounding errors from making the interval of a side empty.
     let slack = 1e-14 * (1.0 + low.abs().max(high.abs()));
     part.low[i] = part.low[i].max(low - slack);
     part.high[i] = part.high[i].min(high + slack);

@@ -14,7 +14,7 @@ use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Difference of unit vectors up to which directions count as equal.
+/// Directions count as equal if their unit vectors differ by at most this value.
 pub(super) const DIRECTION_ROUNDING: f64 = 1e-12;
 /// Sine of the angle below which axes count as parallel. This sine is far above rounding errors, and far
 /// below any tolerance.

@@ -1,18 +1,18 @@
 //! First joint with a vertical axis: it needs no coordinate in the boxes of the search, even if errors that
 //! precede it act in horizontal directions.
 //!
-//! Seen from the link behind the first joint, the errors before this joint rotate about its axis. Let an error
-//! move or rotate the arm along or about a horizontal direction u, with the variance v. Its part in the bound
-//! of a statistic is `v u . M(p) u`, with a matrix M that depends on the position p of the measured point. Two
-//! errors of the same kind with the same variance in perpendicular directions give `v tr M`, whatever their
-//! direction. The bound therefore takes the variances of each kind of error as an isotropic part, and an
-//! excess in one direction.
+//! Seen from the link after the first joint (on the tool side), the errors before this joint rotate about its
+//! axis. Let an error move or rotate the arm along or about a horizontal direction u, with the variance v.
+//! The contribution of this error to the bound of a statistic is `v u . M(p) u`, with a matrix M that depends
+//! on the position p of the measured point. Two errors of the same kind with the same variance in
+//! perpendicular directions give `v tr M`, whatever their direction. The bound therefore takes the variances
+//! of each kind of error as an isotropic part, and an excess in one direction.
 //!
-//! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal, and
-//! let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives `M = A`. A
-//! rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`. In both
-//! cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the isotropy
-//! times the part of an isotropic error with the variance `v / 2`.
+//! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal,
+//! and let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives
+//! `M = A`. A rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`.
+//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the
+//! isotropy times the contribution of an isotropic error with the variance `v / 2`.
 
 use super::coordinates::DIRECTION_ROUNDING;
 use crate::cell::{Reading, Row};
@@ -20,28 +20,29 @@ use crate::kinematic_error::{ScrewMotion, Screws};
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
-/// Number of joints above which a worst case is bounded without the errors before the first joint, because one
-/// more coordinate would cost too many boxes.
+/// Largest number of joints of an arm whose worst case is bounded with the errors before the first joint. For
+/// more joints, one more coordinate would cost too many boxes.
 const MAX_JOINTS_OF_WORST_CASE: usize = 6;
 
 /// Isotropic errors that stand for the errors before a first joint with a vertical axis.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FirstJoint {
-    /// Motions along or about x and y. Their sources are counted on from those of the cell.
+    /// Motions along or about x and y. The numbers of their sources follow those of the sources of the cell.
     pub motions: Vec<ScrewMotion>,
     /// Standard deviation of each of these motions, m or rad.
     pub deviations: Vec<f64>,
-    /// Number of motions at the end of the list that count only with the isotropy of the bound.
+    /// Number of motions at the end of the list whose terms in the bound are multiplied by the isotropy of
+    /// the bound.
     pub excess: usize,
 }
 
 impl FirstJoint {
-    /// Replaces the errors before the first joint that act along or about horizontal directions. `motions` are
-    /// the motions of all error sources. Those of the replaced errors are removed.
+    /// Replaces the errors before the first joint that act along or about horizontal directions. `motions`
+    /// are the motions of all error sources. The motions of the replaced errors are removed.
     ///
-    /// In the worst case of an arm with many joints, nothing takes the place of these errors. If the rows of the
-    /// sense are not horizontal, nothing takes the place of their excess. The bound remains valid. Returns
-    /// None, and leaves `motions` unchanged, if the errors cannot be replaced.
+    /// In the worst case of an arm with many joints, nothing takes the place of these errors. If the rows of
+    /// the sense are not horizontal, nothing takes the place of their excess. The bound remains valid.
+    /// Returns None, and leaves `motions` unchanged, if the errors cannot be replaced.
     pub fn replace(
         screws: &Screws,
         evaluator: &ErrorEvaluator,
@@ -100,8 +101,8 @@ impl FirstJoint {
     }
 }
 
-/// Returns the isotropy `2 a_2 / (a_1 + a_2)` of a positive semidefinite form in horizontal directions, with the
-/// eigenvalues `a_1 >= a_2`. It is between 0 and 1.
+/// Returns the isotropy `2 a_2 / (a_1 + a_2)` of a positive semidefinite form in horizontal directions, with
+/// the eigenvalues `a_1 >= a_2`. It is between 0 and 1.
 pub(super) fn isotropy(form: &Matrix3<f64>) -> f64 {
     let eigen = form.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigenvalues();
     let sum = eigen.sum();

@@ -1,18 +1,19 @@
 //! Last joint that only rotates the tool about its axis: it needs no coordinate in the boxes of the search.
 //!
-//! Let the TCP be the measured point, on the axis of the last joint, and let the tool axis be the axis of this
-//! joint. A rotation of the joint then changes only the effects of the errors behind it. These effects rotate
-//! about the tool axis `a`. The lower bound therefore takes them in their best rotation, in closed form.
+//! Let the TCP be the measured point, on the axis of the last joint, and let the tool axis be the axis of
+//! this joint. A rotation of the joint then changes only the effects of the errors after the joint (on the
+//! tool side). These effects rotate about the tool axis `a`. The lower bound therefore takes these effects at
+//! their best rotation, in closed form.
 //!
-//! Statistical reading: let C be the covariance that the errors behind the joint give the TCP at one angle.
-//! C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The bound of a reading is
+//! Statistical reading: let C be the covariance of the TCP that the errors after the joint cause at one
+//! angle. C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The bound of a reading is
 //! `<A, S>` with a positive semidefinite matrix A (see `value_bound`). Let `a_1 >= a_2` be the eigenvalues of
 //! A across the tool axis. Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about
 //! the axis (J. von Neumann's trace inequality).
 //!
-//! Worst case: let the errors behind the joint move the TCP by up to `w_k g_k`. In the direction d, they reach
-//! `sum_k w_k |d . R g_k|`. As a function of the angle of R, this sum is concave between the zeros of its
-//! terms, so it is least at one of these zeros.
+//! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. In the direction d, these
+//! errors reach `sum_k w_k |d . R g_k|`. As a function of the angle of R, this sum is concave between the
+//! zeros of its terms, so it is least at one of these zeros.
 
 use super::coordinates::DIRECTION_ROUNDING;
 use crate::cell::{JointKind, Reading, Row};
@@ -22,15 +23,16 @@ use crate::robot::Chain;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Errors behind a last joint that only rotates the tool about its axis.
+/// Errors after a last joint that only rotates the tool about its axis.
 #[derive(Debug, Clone)]
 pub(super) struct LastJoint {
-    /// Displacements of the TCP across the tool axis by each error, in axes that rotate with the tool, m.
+    /// Displacement of the TCP across the tool axis that each error causes, in axes that rotate with the
+    /// tool, m.
     ///
     /// In the statistical reading, each error has the size of one standard deviation. In the worst case, it
     /// has the size of its tolerance.
     across: Vec<Vector2<f64>>,
-    /// Displacements of the TCP along the tool axis by each error, m.
+    /// Displacement of the TCP along the tool axis that each error causes, m.
     along: Vec<f64>,
     /// Variances across the tool axis, the greater one first, m^2.
     variances: (f64, f64),
@@ -54,7 +56,7 @@ impl ToolAxisRange {
 }
 
 impl LastJoint {
-    /// Returns the errors behind the last joint. Returns None if the bound needs the coordinate of this joint.
+    /// Returns the errors after the last joint. Returns None if the bound needs the coordinate of this joint.
     ///
     /// `motions` are the motions of the error sources, and `rows` the rows of the sense.
     pub fn new(
@@ -68,7 +70,7 @@ impl LastJoint {
         let last = n.checked_sub(1)?;
         let link = &chain.links[last];
         let is_coupled = (0..last).any(|k| chain.coupling[last][k] != 0.0 || chain.coupling[k][last] != 0.0);
-        // Half a turn suffices, because a rotation by half a turn keeps variances and widths.
+        // Half a turn suffices, because a rotation by half a turn changes neither variances nor widths.
         let turns = link.kind == JointKind::Revolute && link.limits.1 - link.limits.0 >= PI;
         let axis = screws.axes[last];
         let off = [screws.tool, screws.tip - screws.points[last], screws.point - screws.points[last]];
@@ -110,11 +112,12 @@ impl LastJoint {
         Some(Self { across, along, variances })
     }
 
-    /// Returns the covariance of the TCP (m^2, base frame) at which the bound of a reading is expanded. It is a
-    /// mean of the covariances by the errors behind the joint, over rotations of the tool about its axis.
+    /// Returns the covariance of the TCP (m^2, base frame) at which the bound of a reading is expanded. It is
+    /// a mean, over rotations of the tool about its axis, of the covariance that the errors after the joint
+    /// cause.
     ///
-    /// `others` is the covariance by all other errors. Across the tool axis, the sum of both covariances is as
-    /// isotropic as possible, because the least values are there.
+    /// `others` is the covariance that all other errors cause. Across the tool axis, the sum of both
+    /// covariances is as isotropic as possible, because the least values are there.
     pub fn covariance(&self, others: &Matrix3<f64>, tool: &ToolAxisRange) -> Matrix3<f64> {
         let frame = across(&tool.axis);
         let eigen = within(others, &frame).symmetric_eigen();
@@ -133,8 +136,8 @@ impl LastJoint {
     }
 
     /// Returns a lower bound of `<form, C>` over all rotations of the tool about its axis, and over all
-    /// directions of this axis in `tool`. C is the covariance of the TCP by the errors behind the joint, and
-    /// `form` is positive semidefinite.
+    /// directions of this axis in `tool`. C is the covariance of the TCP that the errors after the joint
+    /// cause, and `form` is positive semidefinite.
     pub fn least_form(&self, form: &Matrix3<f64>, tool: &ToolAxisRange) -> f64 {
         let eigen = within(form, &across(&tool.axis)).symmetric_eigenvalues();
         let (most, least) = self.variances;
@@ -144,12 +147,12 @@ impl LastJoint {
         (sum - 2.0 * tool.angle * form.norm() * (most + least + along)).max(0.0)
     }
 
-    /// Returns the variance of the TCP along the tool axis by the errors behind the joint, m^2.
+    /// Returns the variance of the TCP along the tool axis that the errors after the joint cause, m^2.
     fn along_squared(&self) -> f64 {
         self.along.iter().map(|a| a * a).sum()
     }
 
-    /// Returns a lower bound of the distance that the errors behind the joint reach in the direction `d`, over
+    /// Returns a lower bound of the distance that the errors after the joint reach in the direction `d`, over
     /// all rotations of the tool about its axis and over all directions of this axis in `tool`.
     pub fn least_width(&self, d: &Vector3<f64>, tool: &ToolAxisRange) -> f64 {
         let level = (d - tool.axis * tool.axis.dot(d)).norm();

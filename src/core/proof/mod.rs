@@ -7,8 +7,8 @@
 //!
 //! Two joints may need no coordinate. Errors that come after the first joint in the chain rotate with this
 //! joint. A first joint with a vertical axis therefore does not matter, unless the sense distinguishes
-//! horizontal directions. Errors before it are bounded without their direction. The last joint does not matter
-//! either if its axis is the tool axis through the measured point: the errors behind it take their best
+//! horizontal directions. Errors before it are bounded without their direction. The last joint does not
+//! matter either if its axis is the tool axis through the measured point: the errors after it take their best
 //! rotation. For a signed sample, and for some errors of other readings, one or both joints keep their
 //! coordinate.
 //!
@@ -266,8 +266,8 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof::new(workcell, operations, interrupted)
 }
 
-/// Bounds the value of one operation over several regions. The bound is the least of the bounds over the
-/// single regions.
+/// Returns a lower bound of the value of one operation over several regions. The bound is the least of the
+/// bounds over the single regions.
 ///
 /// The second result states whether the proof was interrupted.
 fn of_regions(
@@ -304,7 +304,8 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// Bounds the value of one operation over a region. `known` is the least value known so far, if any.
+/// Returns a lower bound of the value of one operation over a region. `known` is the least value known so
+/// far, if any.
 ///
 /// The second result states whether the proof was interrupted.
 fn of_operation(

@@ -4,7 +4,7 @@
 use crate::reading::ErrorSources;
 use nalgebra::DMatrix;
 
-/// Limit below which an eigenvalue of a correlation matrix counts as a rounding error.
+/// An eigenvalue of a correlation matrix counts as a rounding error if it is below this value.
 const ROUNDING: f64 = 1e-12;
 
 /// Returns independent normal factors of the correlated sources that are not elastic. A factor is a list of

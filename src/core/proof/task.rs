@@ -44,13 +44,13 @@ pub(super) struct Task<'a> {
     /// largest size.
     deflections: Vec<ScrewMotion>,
     pub constraints: Vec<Constraint>,
-    /// Errors behind the last joint, if this joint needs no coordinate in the boxes.
+    /// Errors after the last joint, if this joint needs no coordinate in the boxes.
     last: Option<LastJoint>,
     /// Whether the value depends on the angle of the first joint, although this joint needs no coordinate.
     turned_first: bool,
     /// Whether a constraint can limit the distance of the TCP from the z axis of the base.
     limits_radius: bool,
-    /// Directions of the tool axis in all postures that keep the constraints.
+    /// Directions of the tool axis in all postures that satisfy the constraints.
     tool_axis: ToolAxisRange,
 }
 
@@ -211,7 +211,8 @@ impl<'a> Task<'a> {
         (next - m.through).norm() + self.to_point.from(m.link)
     }
 
-    /// Returns an upper bound of the change of the value by the elastic errors of a signed sample, m or rad.
+    /// Returns an upper bound of the change of the value that the elastic errors of a signed sample cause, m
+    /// or rad.
     ///
     /// The lower bound of the value ignores these errors, because their size changes with the posture. A
     /// deflection by an angle moves the measured point by at most the angle times the lever. The lever is the
@@ -334,11 +335,11 @@ impl<'a> Task<'a> {
         self.evaluator.memory()
     }
 
-    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`] `y`,
-    /// and the actuator coordinates (rad or m) of this posture.
+    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`]
+    /// `y`, and the actuator coordinates (rad or m) of this posture.
     ///
-    /// If the value depends on a joint that needs no coordinate, the posture is the best of several angles of this
-    /// joint.
+    /// If the value depends on a joint that needs no coordinate, the posture is the best of several angles of
+    /// this joint.
     pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> (f64, JointVector) {
         let chain = self.workcell.inverse().chain();
         let spun = [(0, self.turned_first), (chain.axes() - 1, self.last.is_some())];

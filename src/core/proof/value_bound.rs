@@ -62,13 +62,13 @@ pub(super) struct ValueSum {
     pub constant: f64,
 }
 
-/// Independent random factors of the errors. Each factor is a list of pairs (index of an error source, value of
-/// this source at one standard deviation of the factor).
+/// Independent random factors of the errors. Each factor is a list of pairs (index of an error source, value
+/// of this source at one standard deviation of the factor).
 #[derive(Debug, Clone)]
 pub(super) struct RandomFactors {
     list: Vec<Vec<(usize, f64)>>,
-    /// Number of factors at the end of the list that count only with the isotropy of the bound. See
-    /// [`super::first_joint`].
+    /// Number of factors at the end of the list whose terms in the bound are multiplied by the isotropy of
+    /// the bound. See [`super::first_joint`].
     excess: usize,
 }
 
@@ -128,10 +128,10 @@ impl EffectSum {
     /// Returns the lower bound of the value of the reading as a sum over the effects of all motions. Returns
     /// None if this value is zero at the posture of `effects`.
     ///
-    /// At the posture of `effects`, the sum is equal to the value, except for the error margin of [`tangent`].
-    /// At other postures, the sum is not greater than the value.
+    /// At the posture of `effects`, the sum is equal to the value, except for the error margin of
+    /// [`tangent`]. At other postures, the sum is not greater than the value.
     ///
-    /// If `last` holds the errors behind the last joint, `motions` must not contain these errors. The bound
+    /// If `last` holds the errors after the last joint, `motions` must not contain these errors. The bound
     /// then holds for every rotation of the tool about its axis.
     pub fn weights(
         &self,
@@ -211,8 +211,9 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
 /// - `e_f`: effect of one standard deviation of the random factor f (in `factors`) on the error;
 /// - `v_kf`: value of source k at one standard deviation of factor f;
 /// - A: the identity matrix for the RMS; otherwise the [`tangent`] at the covariance of the error;
-/// - `i_f`: 1, or the [`isotropy`] of A for a factor that counts only with it;
-/// - h: the least part of `<A, S>` by the errors behind the last joint ([`LastJoint::least_form`]), or 0;
+/// - `i_f`: the [`isotropy`] of A for the last [`RandomFactors::excess`] factors, 1 for all other factors;
+/// - h: the least contribution to `<A, S>` from the errors after the last joint ([`LastJoint::least_form`]),
+///   or 0;
 /// - s: the square root of h plus the sum of `i_f e_f . A e_f` over all factors.
 ///
 /// The vector of source k is the sum of `v_kf i_f A e_f / s` over all factors, and the constant is h / s.

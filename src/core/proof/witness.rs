@@ -12,18 +12,19 @@ use nalgebra::{Matrix4, Vector4};
 /// Largest violation of joint limits and constraints that is accepted in a witness, m or rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Posture that keeps the joint limits and the constraints.
+/// Posture that stays within the joint limits and satisfies the constraints.
 pub(super) struct Witness {
     /// Value of the operation in the posture, m or rad.
     pub value: f64,
     /// Actuator coordinates of the posture, rad or m.
     pub joints: JointVector,
-    /// Lower bound of the value in the posture alone, m or rad. No lower bound of the operation rises above it.
+    /// Lower bound of the value in the posture alone, m or rad. No lower bound of the operation rises above
+    /// it.
     pub ceiling: f64,
 }
 
-/// Searches a box of joint coordinates for a posture that keeps the joint limits and the constraints. Returns
-/// None if no such posture is found.
+/// Searches a box of joint coordinates for a posture that stays within the joint limits and satisfies the
+/// constraints. Returns None if no such posture is found.
 ///
 /// The search starts at the coordinates `y` and takes least-norm Newton steps. After each step, the
 /// coordinates are clamped to the box from `low` to `high`. The best posture is often in a corner of the

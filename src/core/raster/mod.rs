@@ -1,4 +1,4 @@
-//! 3-D pictures without a browser: PNG by a software rasteriser, and SVG with hidden lines removed.
+//! 3-D pictures without a browser: PNG by a software rasterizer, and SVG with hidden lines removed.
 //!
 //! A [`Drawing`] becomes a scene of bodies, lines and labels in the world frame, and a camera is fitted to
 //! the scene. PNG and SVG show the same scene. Equal drawings give equal bytes, because no font file,

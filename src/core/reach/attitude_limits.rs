@@ -5,7 +5,7 @@ use super::solver::ChainSolver;
 use crate::cell::{Attitude, Azimuth, Spin};
 use crate::units::{deg_from_rad, rounded};
 
-/// Largest difference, rad, of elevations that count as equal.
+/// Elevations count as equal if they differ by at most this value, rad.
 ///
 /// The value exceeds the rounding error of an angle that a file states in degrees.
 const SAME_ELEVATION: f64 = 1e-6;

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 /// Largest attitude error, rad, that counts as rounding error and therefore as 0.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest distance between the unit vectors of two tool axes that count as equal.
+/// Two tool axes count as equal if the distance between their unit vectors is at most this value.
 const SAME_AXIS: f64 = 1e-12;
 
 /// Rotation of the tool about its axis, from the attitude `first` to another attitude.

@@ -15,8 +15,8 @@ const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of the joint limits (rad, m or cosine) above which no usable posture is expected within one step
-/// of the scan.
+/// No usable posture is expected within one step of the scan if the violation of the joint limits (rad, m or
+/// cosine) exceeds this value.
 const HOPELESS: f64 = 0.5;
 
 /// Largest number of bisections in the search for a joint value at which the target is within reach.
@@ -74,8 +74,8 @@ impl HeldTarget<'_> {
     /// Searches for a usable posture at the lattice numbers around `best`, in the direction of decreasing
     /// [`Gap`]. Returns the least gap, and whether a usable posture was found.
     ///
-    /// `least` is the gap at `best`. The gaps at one step of the scan below and above `best` must not be
-    /// smaller.
+    /// `least` is the gap at `best`. The gaps one scan step below and one scan step above `best` must not be
+    /// smaller than `least`.
     fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let interval = (best.saturating_sub(SCAN_STEP), (best + SCAN_STEP).min(HeldJoint::LATTICE));
         let (best, least) = match least.reach > 0.0 {

@@ -83,7 +83,7 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// Returns whether the branch keeps the joint limits and the required attitude.
+    /// Returns whether the branch stays within the joint limits and meets the required attitude.
     pub fn is_usable(&self) -> bool {
         self.violation.is_none() && self.off == 0.0
     }

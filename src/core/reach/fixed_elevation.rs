@@ -5,7 +5,7 @@ use crate::robot::Chain;
 /// Number of postures whose elevations are compared.
 const POSTURES: usize = 32;
 
-/// Largest difference, rad, of elevations that count as equal.
+/// Elevations count as equal if they differ by at most this value, rad.
 const SAME_ELEVATION: f64 = 1e-9;
 
 /// Returns the elevation of the tool axis (rad) if it is the same in all sampled postures of the chain;

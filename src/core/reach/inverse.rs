@@ -126,7 +126,7 @@ impl Inverse {
         self.template
     }
 
-    /// Calls `found` with every branch that keeps the joint limits and the required attitude.
+    /// Calls `found` with every branch that stays within the joint limits and meets the required attitude.
     ///
     /// Returns the [`Gap`] of the target: its distance from a usable posture.
     ///
@@ -158,7 +158,7 @@ impl Inverse {
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
     }
 
-    /// Returns whether any branch keeps the joint limits and the required attitude.
+    /// Returns whether any branch stays within the joint limits and meets the required attitude.
     ///
     /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with a
     /// usable branch. For a redundant arm, the search stops at the first sampled joint value with a usable
@@ -266,8 +266,8 @@ impl Inverse {
         found.ok_or(by)
     }
 
-    /// Returns the posture of the branch with index `wanted` if it keeps the joint limits and the required
-    /// attitude; otherwise None.
+    /// Returns the posture of the branch with index `wanted` if it stays within the joint limits and meets
+    /// the required attitude; otherwise None.
     pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
     }

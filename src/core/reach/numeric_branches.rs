@@ -1,6 +1,6 @@
 //! Branches of the numeric solver: each attitude becomes a goal of the TCP.
 //!
-//! All solutions of a goal keep the joint limits.
+//! All solutions of a goal are within the joint limits.
 //!
 //! If the branches of an arm do not keep their indices, the numeric solver also moves postures to
 //! neighbouring targets. It also finds the reason why a scan has no solution.

@@ -39,7 +39,7 @@ const MARGIN: f64 = 2.0;
 /// Largest error of a solution, m and rad.
 const REACHED: f64 = 1e-10;
 
-/// Error (m and rad) below which another step of Newton's method gains nothing.
+/// Another step of Newton's method gains nothing if the error (m and rad) is below this value.
 const EXACT: f64 = 1e-13;
 
 /// Largest number of Newton steps from one start posture.
@@ -48,7 +48,8 @@ const STEPS: usize = 24;
 /// Largest change of a joint in one step, rad or m.
 const LONGEST_STEP: f64 = 0.5;
 
-/// Difference of the sines and cosines of the joint angles below which two postures are the same solution.
+/// Two postures are the same solution if the sines and cosines of their joint angles differ by less than this
+/// value.
 const SAME: f64 = 1e-6;
 
 /// Closed form of a simplified chain, refined by Newton's method.

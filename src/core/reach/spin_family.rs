@@ -145,8 +145,8 @@ impl Inverse {
         });
     }
 
-    /// Returns whether any member of the family of `posture` keeps the joint limits and the required
-    /// attitude.
+    /// Returns whether any member of the family of `posture` stays within the joint limits and meets the
+    /// required attitude.
     fn any_usable(
         &self,
         first: usize,

@@ -9,8 +9,8 @@ use crate::cell::JointKind;
 use crate::robot::{Chain, Posture};
 use nalgebra::Vector3;
 
-/// Largest deviation of a unit vector (no unit) or of a point (m) from the last axis that counts as rounding
-/// error.
+/// A deviation from the last axis of at most this value counts as a rounding error: of a unit vector (no
+/// unit), or of a point (m).
 const ON_AXIS: f64 = 1e-12;
 
 /// Last joint of an arm that rotates the tool about the tool axis, and leaves the TCP in place.

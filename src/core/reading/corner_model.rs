@@ -30,8 +30,8 @@ pub struct CornerModel<'a> {
     context: &'a WorkContext,
     frames: &'a Frames,
     measure: SenseRows,
-    /// Prediction of the changes of the error by sign flips. None if the evaluator has no prediction, or if
-    /// the errors are too large for a prediction.
+    /// Prediction of the changes of the error that sign flips cause. None if the evaluator has no prediction,
+    /// or if the errors are too large for a prediction.
     prediction: Option<&'a mut FlipPrediction>,
 }
 

@@ -1,4 +1,4 @@
-//! Local search for the corner of the tolerance box with the largest error by a nonlinear model.
+//! Local search for the corner of the tolerance box with the largest error under a nonlinear model.
 
 use super::MAX_SOURCES;
 use super::corner_model::{CornerError, CornerModel, MAX_FREE, gray_code};
@@ -13,7 +13,8 @@ const MAX_ROUNDS: usize = 12;
 /// share.
 const NEAR_SHARE: f64 = 0.02;
 
-/// Sine of the angle below which columns count as parallel and are flipped as one group in the local search.
+/// Columns count as parallel, and are flipped as one group in the local search, if the sine of their angle is
+/// below this value.
 const PARALLEL_SINE: f64 = 1e-6;
 
 /// Signs of all sources at a corner of the tolerance box.
@@ -29,7 +30,7 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// - `quadratic`, the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;
-/// - twice the largest difference between the linear worst case and the error by the model at the two
+/// - twice the largest difference between the linear worst case and the error under the model at the two
 ///   corners.
 ///
 /// A planar arm, for example, needs flips of all parallel columns together. The lateral effects of such an

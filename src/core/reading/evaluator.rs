@@ -15,7 +15,8 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-/// Evaluator of the error of one operation in its sense, by the model and in the reading of the cell.
+/// Evaluator of the error of one operation. The operation defines the sense, and the cell defines the error
+/// model and the reading.
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
     pub(super) chain: Chain,
@@ -56,8 +57,8 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
-    /// Prediction of the changes of the error by sign flips at corners of the tolerance box. None if the
-    /// evaluator has no prediction.
+    /// Prediction of the changes of the error that sign flips cause at corners of the tolerance box. None if
+    /// the evaluator has no prediction.
     pub(super) flips: Option<Box<FlipPrediction>>,
     conditional: ConditionalScratch,
 }

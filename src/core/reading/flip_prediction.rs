@@ -1,6 +1,6 @@
 //! Prediction of the error at neighbouring corners of the tolerance box, with a bound on its own error.
 //!
-//! Reversing the signs of some sources changes the sizes `a_i` of small motions by `d_i`. By the second-order
+//! Reversing the signs of some sources changes the sizes `a_i` of small motions by `d_i`. In the second-order
 //! model ([`crate::kinematic_error`]), the displacement of the point that a sense measures changes by
 //!
 //! ```text
@@ -243,8 +243,8 @@ impl FlipPrediction {
 
     /// Returns an upper bound of the interaction of a flip with earlier flips.
     ///
-    /// The interaction is the change by all flips together, minus the sum of the changes by each flip alone.
-    /// `rotation` (rad) and `displacement` (m) are the sums over the earlier flips.
+    /// The interaction is the change that all flips together cause, minus the sum of the changes that each
+    /// flip alone causes. `rotation` (rad) and `displacement` (m) are the sums over the earlier flips.
     pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
         let of_position = rotation * flip.displacement + displacement * flip.rotation;
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
@@ -252,7 +252,8 @@ impl FlipPrediction {
 
     /// Returns the interaction of flips of the sources `k` and `l`.
     ///
-    /// The interaction is the change by both flips together, minus the sum of the changes by each flip alone.
+    /// The interaction is the change that both flips together cause, minus the sum of the changes that each
+    /// flip alone causes.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

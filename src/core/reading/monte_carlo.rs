@@ -20,8 +20,8 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// Relative deviation from an estimate up to which a first-order figure is accepted even outside the
-/// confidence interval.
+/// A first-order figure is accepted even outside the confidence interval if it deviates from the estimate by
+/// at most this share.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
 /// Deviation from an estimate up to which a first-order yield is accepted even outside the confidence
@@ -160,7 +160,8 @@ pub struct SampledPosture<'a> {
 pub struct JointSamples {
     /// Estimates of each operation alone.
     pub operations: Vec<MonteCarlo>,
-    /// Probability that every operation with a limit keeps its limit; None if no operation has a limit.
+    /// Probability that every operation with a limit stays within its limit; None if no operation has a
+    /// limit.
     pub together: Option<Estimate>,
 }
 
@@ -207,7 +208,7 @@ pub fn joint_monte_carlo(
 struct Replicate {
     /// Sizes of the errors of each operation, in ascending order.
     sizes: Vec<Vec<f64>>,
-    /// Number of samples that keep the limits of all operations.
+    /// Number of samples that stay within the limits of all operations.
     kept: usize,
 }
 

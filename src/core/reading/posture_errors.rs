@@ -18,7 +18,7 @@ impl ErrorEvaluator {
         self.reading != Reading::Signed || !self.errors_compensate
     }
 
-    /// Returns the error figures of a signed sample that has neither a worst case nor statistics.
+    /// Returns the error figures of a signed sample. A signed sample has neither a worst case nor statistics.
     fn judge_sample(
         &self,
         context: &WorkContext,
@@ -35,7 +35,7 @@ impl ErrorEvaluator {
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success: None }
     }
 
-    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source
+    /// Returns the error under the nonlinear, the linear and the second-order model, for the given source
     /// values.
     fn by_all_models(
         &self,
@@ -48,7 +48,7 @@ impl ErrorEvaluator {
             .map(|model| self.error_of(values, context, frames, model, memory))
     }
 
-    /// Returns the error by the chosen model.
+    /// Returns the error under the chosen model.
     fn of_model(&self, [nonlinear, linear, second_order]: [Displacement; 3]) -> Displacement {
         match self.model {
             Model::Nonlinear => nonlinear,

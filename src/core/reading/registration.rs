@@ -19,7 +19,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Largest number of iterations of an exact fit. Three or four suffice for errors of millimetres.
 const MAX_ITERATIONS: usize = 16;
 
-/// Sum of the displacement (m) and rotation (rad) of a correction below which an exact fit has converged.
+/// Threshold of convergence. An exact fit has converged when the displacement (m) plus the rotation (rad) of
+/// its correction is below this value.
 const CONVERGED: f64 = 1e-17;
 
 /// Distance, m, below which two points count as the same.

@@ -1,16 +1,16 @@
 //! Lower bound of the value of a posture over rotations of the tool by the last joint.
 //!
-//! The last joint rotates the tool about its axis and does not move the TCP. Only the errors behind this
-//! joint rotate with it: the errors of the last link after the joint, and the errors of the tool. All other
-//! effects do not change.
+//! The last joint rotates the tool about its axis and does not move the TCP. Only the errors after this joint
+//! (on the tool side) rotate with it: the errors of the last link after the joint, and the errors of the
+//! tool. All other effects do not change.
 //!
-//! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before the
-//!   joint move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
+//! - Signed sample: the errors after the joint displace the TCP by at most r, and the errors before the joint
+//!   move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
 //! - Worst case: the worst case of only the tolerances before the joint is a lower bound.
-//! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the
-//!   entries of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to
-//!   0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176); [`CentredBound`] uses
-//!   this fact.
+//! - Normal parameters: after a rotation by q, an effect of an error after the joint is c0 + c1 cos q + c2
+//!   sin q. So the entries of the covariance are trigonometric polynomials of degree 2. If the mean of an
+//!   error is set to 0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176);
+//!   [`CentredBound`] uses this fact.
 
 use super::norm::{CentredBound, CovarianceEntries};
 use super::{Effects, ErrorSources, SenseRows};
@@ -27,7 +27,7 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// Bound for normal parameters.
     Normal(NormalBound),
-    /// Bound for a worst case, which sources behind the last joint can only increase.
+    /// Bound for a worst case, which sources after the last joint can only increase.
     WorstCase,
 }
 
@@ -143,7 +143,7 @@ fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
     [column[0], column[1], column[2]]
 }
 
-/// Returns whether a parameter describes a part behind the last joint.
+/// Returns whether a parameter describes a part after the last joint (on the tool side).
 pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
@@ -156,7 +156,7 @@ pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     }
 }
 
-/// Returns an upper bound of the displacement of the TCP, m, that errors behind the last joint cause.
+/// Returns an upper bound of the displacement of the TCP, m, that errors after the last joint cause.
 fn displacement_behind(chain: &Chain, errors: &Perturbation) -> f64 {
     let lever = chain.tool.translation.norm();
     let mut moved = 0.0;

@@ -1,8 +1,8 @@
 //! Lower bounds of the worst case at a posture, which cost much less than the worst case.
 //!
 //! The linear error at any corner of the tolerance box is at most the linear worst case. Leaving out a source
-//! only reduces this worst case. At the worst corner of the linear model, the errors by two models differ by
-//! products of two and more parameter errors. The sums of all rotations and displacements bound these
+//! only reduces this worst case. At the worst corner of the linear model, the errors under two models differ
+//! by products of two and more parameter errors. The sums of all rotations and displacements bound these
 //! products. The local search for the nonlinear worst case starts at this corner and at the opposite corner.
 //! So the result is at least the larger of the errors at these two corners.
 

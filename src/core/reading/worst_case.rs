@@ -13,7 +13,8 @@ pub struct WorstCase {
     /// Whether `linear` is the exact maximum. If the error has more than three components in the sense and
     /// there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Largest error by the chosen model that the local search finds; equal to `linear` for the linear model.
+    /// Largest error under the chosen model that the local search finds; equal to `linear` for the linear
+    /// model.
     pub by_model: f64,
     /// Corner of the tolerance box with the error `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],

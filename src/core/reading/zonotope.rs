@@ -30,12 +30,13 @@ use sign_table::{SignTable, try_all};
 /// Largest number of generators: a power of two, not less than the largest number of error sources.
 pub const MAX_GENERATORS: usize = 128;
 
-/// Number of 3-D generators up to which it is faster to try all signs than to look for parallel generators.
+/// Largest number of 3-D generators for which it is faster to try all signs than to look for parallel
+/// generators.
 const MAX_EXHAUSTIVE: usize = 7;
-/// Number of 3-D generators up to which it is faster to try all signs than to walk along circles. A group of
-/// parallel generators counts as one generator.
+/// Largest number of 3-D generators for which it is faster to try all signs than to walk along circles. A
+/// group of parallel generators counts as one generator.
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
-/// Sine of the angle below which generators count as parallel.
+/// Generators count as parallel if the sine of their angle is below this value.
 ///
 /// The signs of parallel generators are chosen so that their sizes add up. A generator smaller than
 /// `PARALLEL_SINE` times the sum may get the opposite sign.

@@ -1,9 +1,9 @@
 //! Regions: the alternative placements of each piece of a found layout.
 //!
 //! A placement belongs to the region of a piece if two conditions hold. The layout must stay feasible and
-//! keep every limit within the placement tolerances, and the objective may grow by at most the indifference.
-//! All other pieces keep their placements. Every operation keeps its branch, and its spot on its equipment
-//! ([`HeldLayout`]).
+//! within every limit, at all misplacements within the placement tolerances, and the objective may grow by at
+//! most the indifference. All other pieces keep their placements. Every operation keeps its branch, and its
+//! spot on its equipment ([`HeldLayout`]).
 //!
 //! The room of a piece is the largest distance by which it may be displaced in every direction in plan.
 //!
@@ -51,7 +51,8 @@ impl MovableBody {
     }
 }
 
-/// Reason that limits the room of a piece, which is the largest displacement in every direction.
+/// Reason why the room of a piece is not larger. The room is the distance by which the piece may be displaced
+/// in any direction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
     /// The piece reaches an end of the range of a search variable.
@@ -72,7 +73,7 @@ impl RoomEnd {
     }
 }
 
-/// Region of one piece: the placements in the world frame at which the layout remains feasible and keeps
+/// Region of one piece: the placements in the world frame at which the layout remains feasible and within
 /// every limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {

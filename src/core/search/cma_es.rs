@@ -13,14 +13,14 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// Step size, as a share of the search range, below which a run has converged.
+/// A run has converged when its step size is below this share of the search range.
 ///
 /// The local polish refines the result.
 const TOL_X: f64 = 1e-5;
 /// Relative difference between the largest and the least of the best costs of the last generations, below
 /// which a run has converged.
 const TOL_COST: f64 = 1e-5;
-/// Condition number of the covariance above which a run ends.
+/// A run ends when the condition number of the covariance is above this value.
 const MAX_CONDITION: f64 = 1e14;
 
 /// One run of CMA-ES (covariance matrix adaptation evolution strategy) from one start point.

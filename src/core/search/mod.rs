@@ -71,10 +71,10 @@ pub struct SearchRecord {
     ///
     /// Among the layouts with nearly the least objective, a layout whose pieces have much room is chosen.
     pub best: EvaluatedLayout,
-    /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
+    /// Least objective found (m, rad or a share); None if no layout is feasible and within every limit.
     pub least: Option<f64>,
     pub evaluations: u64,
-    /// Number of evaluated layouts that were feasible and kept every limit.
+    /// Number of evaluated layouts that were feasible and within every limit.
     pub feasible: u64,
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
@@ -177,7 +177,8 @@ pub fn search_job(
     }
     let least = best.evaluation.objective.filter(|_| best.evaluation.is_accepted());
     if let Some(least) = least.filter(|_| !stopped) {
-        // A layout with more room must not exceed the gap that the user requests.
+        // A layout that is chosen for its greater room must still be within the optimality gap that the user
+        // requests.
         let gap =
             settings.gap.zip(bound).map(|(gap, bound)| bound * (1.0 + gap)).filter(|most| least <= *most);
         let found = (&space.point(&best.layout)[..], least, gap);

@@ -28,7 +28,7 @@ pub const LOSS_DIGITS: i32 = 9;
 pub struct Progress {
     pub evaluations: u64,
     pub budget: u64,
-    /// Number of evaluated layouts that were feasible and kept every limit.
+    /// Number of evaluated layouts that were feasible and within every limit.
     pub feasible: u64,
     /// Objective of the best feasible layout, m, rad or a share.
     pub best: Option<f64>,

@@ -6,7 +6,8 @@ use super::shortlist::Shortlist;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Least relative decrease of the best cost that counts as an improvement for the stagnation rule.
+/// The stagnation rule counts a decrease of the best cost as an improvement if its share of the cost is at
+/// least this value.
 const MIN_IMPROVEMENT: f64 = 1e-6;
 
 /// Result of one evaluation, as the journal stores it.

@@ -40,7 +40,7 @@ const WIDEST: f64 = 0.25;
 /// Initial upper limit of an estimated room, m. This limit grows with the largest room found so far, up to
 /// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
-/// Share of the largest room so far below which a room is not estimated accurately.
+/// A room is not estimated accurately if it is below this share of the largest room so far.
 const POOR: f64 = 0.3;
 /// Least share of the largest room at which the room of a layout counts as equally large.
 const NEARLY: f64 = 0.98;

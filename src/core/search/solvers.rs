@@ -30,7 +30,8 @@ const FIRST_TEMPERATURE: f64 = 1e-2;
 const LAST_TEMPERATURE: f64 = 1e-8;
 /// Edge of the first simplex of the polish in the unit cube.
 const SIMPLEX_EDGE: f64 = 0.01;
-/// Standard deviation of the costs at the simplex corners, m, below which the polish has converged.
+/// The polish has converged when the standard deviation of the costs at the simplex corners is below this
+/// value, m.
 const POLISH_TOLERANCE: f64 = 1e-10;
 
 type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;

@@ -28,8 +28,8 @@ pub struct ComparedPose {
     /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
     /// reflectors absorbs a part of them.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose;
-    /// None unless the errors are measured.
+    /// Whether the measured error is inside the predicted 95 % ellipsoid, if the deviations change from pose
+    /// to pose; None unless the error set comes from measurements.
     pub is_inside_varying: Option<bool>,
 }
 

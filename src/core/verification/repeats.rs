@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Number of cycles with which ISO 9283 measures pose accuracy and pose repeatability.
 pub const CYCLES_OF_STANDARD: usize = 30;
 
-/// Difference of joint coordinates, rad or m, up to which two postures are the same command.
+/// Two postures are the same command if their joint coordinates differ by at most this value, rad or m.
 const SAME_COMMAND: f64 = 1e-6;
 
 /// Accuracy and repeatability of one posture that was visited several times.

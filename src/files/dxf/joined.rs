@@ -4,7 +4,7 @@ use super::entities::{PathVertex, PlanPath};
 use nalgebra::Vector2;
 use std::collections::HashMap;
 
-/// Largest distance, m, between two ends that count as one point.
+/// Two ends count as one point if their distance is at most this value, m.
 pub const JOINT: f64 = 1e-5;
 
 /// Open path, with the line of the file at which it begins.
@@ -16,8 +16,8 @@ pub struct OpenPath {
 
 /// Returns the closed outlines that open paths form, and the paths that belong to no outline.
 ///
-/// A chain of paths is an outline if exactly two ends meet at each of its joints. An outline begins at the
-/// line of the file at which its first path begins.
+/// A chain of paths is an outline if exactly two ends meet at each of its joints. The line number of an
+/// outline is the line of the file where its first path begins.
 pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     let ends = ends(&paths);
     let mut at_joint: HashMap<usize, Vec<usize>> = HashMap::new();

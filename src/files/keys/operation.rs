@@ -75,7 +75,7 @@ key_table! {
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retract along the tool axis.");
         DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Duration of the operation at its spot, or at every listed point, with the robot at rest. The duration is part of the cycle time.");
-        LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Greatest speed of the TCP on the approach and the retract, for example during an insertion; if left out, only the joints limit the speed.").example("50");
+        LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Maximum speed of the TCP on the approach and the retract, for example during an insertion; if left out, only the joints limit the speed.").example("50");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));
         HELD = table("held", &held::TABLE, "Part that the robot holds at the operation. The part is checked for collision, too.");
     }

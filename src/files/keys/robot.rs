@@ -31,19 +31,19 @@ impl JointMotion {
 words!(JointMotion);
 
 const MAX_VELOCITY_DEG: Key =
-    number("max_velocity_deg_s", NumberRange::Positive, "Greatest speed of a revolute joint.").example("180");
+    number("max_velocity_deg_s", NumberRange::Positive, "Maximum speed of a revolute joint.").example("180");
 const MAX_VELOCITY_MM: Key =
-    number("max_velocity_mm_s", NumberRange::Positive, "Greatest speed of a prismatic joint.").example("500");
+    number("max_velocity_mm_s", NumberRange::Positive, "Maximum speed of a prismatic joint.").example("500");
 const MAX_ACCELERATION_DEG: Key = number(
     "max_acceleration_deg_s2",
     NumberRange::Positive,
-    "Greatest acceleration and deceleration of a revolute joint; if left out, it follows from full_speed_after_s.",
+    "Maximum acceleration and deceleration of a revolute joint; if left out, it follows from full_speed_after_s.",
 )
 .example("600");
 const MAX_ACCELERATION_MM: Key = number(
     "max_acceleration_mm_s2",
     NumberRange::Positive,
-    "Greatest acceleration and deceleration of a prismatic joint; if left out, it follows from full_speed_after_s.",
+    "Maximum acceleration and deceleration of a prismatic joint; if left out, it follows from full_speed_after_s.",
 )
 .example("2000");
 
@@ -79,7 +79,7 @@ key_table! {
 }
 
 key_table! {
-    joint_rate, "a rate", "Greatest speed and acceleration of one joint, for a robot whose joints come from a URDF or from another file.", {
+    joint_rate, "a rate", "Maximum speed and acceleration of one joint, for a robot whose joints come from a URDF or from another file.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number (counted from 1) or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
         MAX_VELOCITY_DEG = super::MAX_VELOCITY_DEG;
         MAX_VELOCITY_MM = super::MAX_VELOCITY_MM;
@@ -150,7 +150,7 @@ key_table! {
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
         COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i of the row is 1, and all later numbers are 0.").example("[[1, 0], [1, 1]]");
         HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
-        RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
+        RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Maximum speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
         FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed for every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
         URDF = text("urdf", "URDF file (without xacro) instead of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root link.").example("\"base\"");

@@ -176,7 +176,7 @@ impl<'h> TableNames<'h> {
     fn missing(&self, quantity: &str) -> ColumnFault {
         let is_joint = quantity.starts_with('q');
         let other = if is_joint { "; joints in another table are read with --joints FILE" } else { "" };
-        (format!("no column is recognised as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
+        (format!("no column is recognized as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
     }
 
     fn joints(&self, is_numbered: bool) -> Result<Vec<usize>, ColumnFault> {

@@ -1,4 +1,4 @@
-//! Numbers of data files: decimal point or comma, missing values, units behind a number.
+//! Numbers of data files: decimal point or comma, missing values, units after a number.
 
 /// Content of one field of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -89,8 +89,8 @@ pub fn pair(
     Ok(PairedJoints { joints: all.into_iter().map(Some).collect(), names, angle_unit, note })
 }
 
-/// Returns the column that identifies postures in both tables, and the line of joints for every line of
-/// positions. Returns None if no such column exists.
+/// Returns the column that identifies postures in both tables. For every line of the table of positions, also
+/// returns the matching line of the table of joint coordinates. Returns None if no such column exists.
 fn shared_key(positions: &FieldGrid<'_>, joints: &FieldGrid<'_>) -> Option<(String, Vec<Option<usize>>)> {
     let place =
         |grid: &FieldGrid<'_>, key: &str| grid.header.iter().position(|name| name.eq_ignore_ascii_case(key));

@@ -86,7 +86,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
             let (low, high) = (plain(in_file(joint.kind, low)), plain(in_file(joint.kind, high)));
             let less = if margins.of(joint) > 0.0 { ", less the margin" } else { "" };
             let message = format!(
-                "number {} of `via` is outside the limits of joint `{}`{less}",
+                "entry {} of `via` is outside the limits of joint `{}`{less}",
                 i + 1,
                 shown(&joint.name)
             );

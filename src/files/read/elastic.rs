@@ -83,7 +83,7 @@ fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table
     for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind == JointKind::Prismatic && **v != 0.0) {
         let name = shown(&joint.name);
         let message =
-            format!("number {} of `{}` must be 0: joint `{name}` slides", i + 1, error_set::COMPLIANCE.name);
+            format!("entry {} of `{}` must be 0: joint `{name}` slides", i + 1, error_set::COMPLIANCE.name);
         t.error(at, message, "only revolute joints deflect");
     }
 }

@@ -128,7 +128,7 @@ fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_
     };
     let pairs = arm.joints.iter().zip(values).enumerate();
     for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind != kind && **v != 0.0) {
-        let message = format!("number {} of `{}` must be 0: joint `{}` {is}", i + 1, key.name, joint.name);
+        let message = format!("entry {} of `{}` must be 0: joint `{}` {is}", i + 1, key.name, joint.name);
         t.error(node.at, message, format!("give its error in {right}"));
     }
 }

@@ -100,11 +100,12 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     let what = format!("row {} of `coupling`", i + 1);
     let values = value::numbers(row, &what, n, NumberRange::Finite, t.lib)?;
     if values[i] != 1.0 || values[i + 1..].iter().any(|&v| v != 0.0) {
-        let message = format!("{what} must have 1 as number {} and 0 after it", i + 1);
+        let message = format!("entry {} of {what} must be 1, and the entries after it must be 0", i + 1);
         t.error(
             row.at,
             message,
-            "a coordinate is its own actuator plus multiples of the preceding actuators",
+            "each joint coordinate is the coordinate of its own actuator plus multiples of those of the preceding \
+             actuators",
         );
     }
     Some(values)
@@ -130,7 +131,7 @@ pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
         if !(low..=high).contains(&home[i]) {
             let shown_limit = |v| plain(if turns { units::deg_from_rad(v) } else { units::mm_from_m(v) });
             let (low, high, name) = (shown_limit(low), shown_limit(high), shown(&joint.name));
-            let message = format!("number {} of `home` is outside the limits of joint `{name}`", i + 1);
+            let message = format!("entry {} of `home` is outside the limits of joint `{name}`", i + 1);
             let at = node.value.items().map_or(node.at, |items| items[i].at);
             t.error(at, message, format!("write a value from {low} to {high}, not {}", plain(q)));
         }

@@ -76,8 +76,8 @@ fn read_points(t: &mut Table, surface: Option<Rectangle>) -> Option<Vec<(f64, f6
 fn read_grid(t: &mut Table) -> Option<(usize, usize)> {
     let node = t.get(&operation::GRID)?;
     let [along_x, along_y] = t.items(&operation::GRID)? else { return None };
-    let m = value::whole(along_x, "number 1 of `grid`", (1, u64::MAX), t.lib);
-    let n = value::whole(along_y, "number 2 of `grid`", (1, u64::MAX), t.lib);
+    let m = value::whole(along_x, "entry 1 of `grid`", (1, u64::MAX), t.lib);
+    let n = value::whole(along_y, "entry 2 of `grid`", (1, u64::MAX), t.lib);
     let (m, n) = (m?, n?);
     let nodes = (m as f64 + 1.0) * (n as f64 + 1.0);
     if nodes > MAX_NODES as f64 {

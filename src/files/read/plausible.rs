@@ -18,13 +18,13 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Deflection of a joint by gravity, degrees, above which an elastic error is probably in a wrong unit.
+/// Deflection of a joint under gravity, degrees, above which an elastic error is probably in a wrong unit.
 const MAX_DEFLECTION_DEG: f64 = 5.0;
 
 /// Largest distance, m, by which rounding may put equipment below its supporting surface or beside it.
 const MAX_STAND_GAP: f64 = 1e-6;
 
-/// Share of the robot's reach below which a tolerance is too small for any manufacturing process.
+/// A tolerance is too small for any manufacturing process if it is below this share of the robot's reach.
 const LEAST_DEVIATION: f64 = 1e-6;
 
 /// Object with a size, m, and the place in the file at which a warning points.

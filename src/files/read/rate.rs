@@ -1,4 +1,4 @@
-//! Readers of the greatest speeds and accelerations of joints.
+//! Readers of the maximum speeds and accelerations of joints.
 
 use super::frame_error::read_joint;
 use super::row_order::ErrorRows;
@@ -22,7 +22,7 @@ const SUSPICIOUS_DEG_S: f64 = 15.0;
 /// acceleration.
 const PLAUSIBLE_TIME: RangeInclusive<f64> = 0.005..=10.0;
 
-/// Reads the greatest speed and acceleration of a joint of this kind from its row.
+/// Reads the maximum speed and acceleration of a joint of this kind from its row.
 pub fn read_row(t: &mut Table, kind: JointKind) -> RateLimits {
     let [velocity, acceleration] = match kind {
         JointKind::Revolute => [joint::MAX_VELOCITY_DEG, joint::MAX_ACCELERATION_DEG],

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// Table that is being read.
 ///
 /// Missing and unknown keys are reported at the end of [`Table::read`]. All missing keys are then known, so
-/// that an unknown key can be recognised as a misspelling of a missing key.
+/// that an unknown key can be recognized as a misspelling of a missing key.
 pub struct Table<'n, 'l, 'a> {
     pub at: At,
     pub lib: &'l mut Library<'a>,

@@ -121,7 +121,8 @@ fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFau
     } else if message.starts_with("string values must be quoted") {
         (
             format!("`{key}` is not a value"),
-            "quote a text; write a number without unit, with a point; put commas between numbers",
+            "put text in quotes; write numbers without a unit and with a decimal point; put commas between \
+             numbers",
         )
     } else if message.contains("recursion") {
         (TOO_DEEP.0.into(), TOO_DEEP.1)

@@ -54,7 +54,7 @@ pub fn numbers(
         return None;
     };
     let numbered = items.iter().enumerate();
-    let read = |(i, n)| number(n, &format!("number {} of {what}", i + 1), range, lib);
+    let read = |(i, n)| number(n, &format!("entry {} of {what}", i + 1), range, lib);
     let values: Vec<_> = numbered.map(read).collect();
     values.into_iter().collect()
 }

@@ -56,7 +56,8 @@ pub struct Derived {
     pub gap: f64,
 }
 
-/// Difference, m, below which the rows count as an exact copy of the URDF; see [`Derived::gap`].
+/// The rows count as an exact copy of the URDF if their difference is below this value, m; see
+/// [`Derived::gap`].
 pub const MAX_EXACT_GAP: f64 = 1e-12;
 
 /// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.

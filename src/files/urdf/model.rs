@@ -91,7 +91,7 @@ pub struct UrdfJoint {
     pub axis: Vector3<f64>,
     /// Limits as the file gives them, with the place of `<limit>`.
     pub limits: Option<(f64, f64, At)>,
-    /// Greatest speed as the file gives it, rad/s or m/s, with its place.
+    /// Maximum speed as the file gives it, rad/s or m/s, with its place.
     pub velocity: Option<(f64, At)>,
     pub mimic: Option<Mimic>,
 }

@@ -15,22 +15,24 @@ use std::f64::consts::TAU;
 /// Length, m, above which a value is probably in mm, because no arm is that long.
 pub const TOO_LONG: f64 = 20.0;
 
-/// Joint limit, rad, above which a warning says that the limit is probably in degrees.
+/// A joint limit above this value, rad, causes a warning that the limit is probably in degrees.
 const MANY_TURNS: f64 = 4.0 * TAU;
-/// Joint limit, rad, above which a URDF is refused.
+/// A URDF with a joint limit above this value, rad, is refused.
 const TOO_MANY_TURNS: f64 = 1e3;
 
-/// Speed of a revolute joint, rad/s, above which a warning says that the speed is probably in degrees/s.
+/// A speed of a revolute joint above this value, rad/s, causes a warning that the speed is probably in
+/// degrees/s.
 const TOO_FAST: f64 = 60.0;
 
-/// Deviation, rad, below which two axes are probably meant to be exactly parallel or at right angles.
+/// Two axes are probably meant to be exactly parallel or at right angles if they deviate by less than this
+/// value, rad.
 const NEARLY: f64 = 1e-3;
 
 /// Moving joint: the properties that its D-H row does not contain.
 pub struct MovingJoint {
     pub name: String,
     pub limits: (f64, f64),
-    /// Greatest speed, rad/s or m/s; None if the URDF does not state it.
+    /// Maximum speed, rad/s or m/s; None if the URDF does not state it.
     pub velocity: Option<f64>,
     /// Coordinate of the joint with all actuators at 0, rad or m: the offset of a mimic joint, or 0.
     pub offset: f64,

@@ -254,7 +254,7 @@ fn read_velocity(
     let at = xml::place(limit, "velocity", faults);
     if velocity < 0.0 {
         let message = format!("`velocity` must be greater than 0, not {velocity}");
-        faults.error(at, message, "write the greatest speed of the joint, in rad/s or m/s");
+        faults.error(at, message, "write the maximum speed of the joint, in rad/s or m/s");
         return None;
     }
     Some((velocity > 0.0).then_some((velocity, at)))

@@ -110,8 +110,8 @@ pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
 /// Returns the multiple of a right angle, rad, that a number of a file plainly means. Returns any other
 /// number unchanged.
 ///
-/// The number must be this multiple, rounded or cut off to the digits that the file writes. The number needs
-/// at least two digits after the point.
+/// The number must be this multiple, rounded or truncated to the number of digits in the file. The number
+/// needs at least two digits after the point.
 pub fn right_angle(word: &str, value: f64) -> f64 {
     let (mantissa, exponent) = word.split_once(['e', 'E']).unwrap_or((word, "0"));
     let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());

@@ -11,7 +11,7 @@ use crate::svg_text::{PathEnd, path_data};
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;
-/// Ratio of the greatest to the least objective above which the axis is logarithmic.
+/// The axis is logarithmic if the ratio of the greatest to the least objective is above this value.
 const LOGARITHMIC_SPAN: f64 = 30.0;
 
 /// Convergence history of a search; objectives in m, rad or shares.

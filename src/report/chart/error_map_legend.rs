@@ -15,7 +15,7 @@ const REACH: [(Ink, &str); 4] =
 
 /// Longest scale bar, px.
 const MAX_BAR: f64 = 160.0;
-/// Share of the greatest value up to which a value counts as zero.
+/// A value counts as zero if it is at most this share of the greatest value.
 const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Returns the SVG attributes of the k-th outline of the reach.
@@ -30,13 +30,13 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let lens = ErrorView::of(plan.a.cell);
     let what = match lens.is_signed() {
         true => "error in x and y".to_string(),
-        false => format!("{} in x and y, in both directions along the worst corner", lens.reading_word()),
+        false => format!("{} in x and y, drawn both ways along the worst-case error", lens.reading_word()),
     };
     let canvas = &mut plan.canvas;
     canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));
     if scales.every > 1 {
         canvas.paragraph(&format!(
-            "one node of {} is drawn along each axis; the spots are chosen from all nodes",
+            "one in every {} nodes is drawn along each axis; the spots are chosen from all nodes",
             scales.every
         ));
     }

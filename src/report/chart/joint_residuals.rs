@@ -37,7 +37,7 @@ pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[F
     let heading = format!("{}: residuals of the calibration", shown(&robot.name));
     let mut under = vec!["distance of measured from predicted positions; the line joins medians".to_string()];
     if every > 1 {
-        under.push(format!("one of {every} positions is drawn"));
+        under.push(format!("one in every {every} positions is drawn"));
     }
     let mut canvas = ChartCanvas::new(&heading, &under);
     let distances = fitted.iter().flat_map(|session| &session.distances);

@@ -1,8 +1,8 @@
 //! Plane faces with holes as ACIS bodies: the geometry of the REGION entity.
 //!
 //! DXF of release 2000 embeds ACIS data as text (SAT, Standard ACIS Text). The records follow version 700 of
-//! the format, which Autodesk products read in this release. A body refers to its lump, shell, face, loops,
-//! coedges, edges, vertices, curves and points by the numbers of their records.
+//! the SAT format, which Autodesk products expect in a DXF file of this release. A body refers to its lump,
+//! shell, face, loops, coedges, edges, vertices, curves and points by the numbers of their records.
 
 use crate::files::polygon::{crossing_edges, rings_meet};
 use crate::geometry::{PlanePoint, polygon_area};

@@ -1,4 +1,4 @@
-//! Section with the cheapest tolerances that keep every limit.
+//! Section with the cheapest tolerances that meet every limit.
 
 use super::content::{PageFigure, Section};
 use super::places::titled;
@@ -8,7 +8,7 @@ use crate::cell::Reading;
 use crate::record::AllocationDocument;
 use crate::report::chart;
 
-/// Share of random arms that must keep each limit if the quantity is the yield. The command `sweetspot
+/// Share of random arms that must stay within each limit if the quantity is the yield. The command `sweetspot
 /// allocate` has the same default.
 const SHARE: f64 = 0.99;
 
@@ -16,9 +16,9 @@ const SHARE: f64 = 0.99;
 /// reading is signed.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its \
-    spot. A bar to the left marks a tolerance to tighten, and a bar to the right marks a tolerance that may be looser. \
-                The error set states the costs. If it states none, each present tolerance costs 1, and \
+    let text = "The chart shows the cheapest tolerances with which every operation stays within its limit at \
+                its spot. A bar to the left marks a tolerance to tighten, and a bar to the right marks a tolerance \
+                that may be looser. The error set states the costs. If it states none, each present tolerance costs 1, and \
                 half of that tolerance costs 2.";
     let mut section = Section::new("allocation", "Cheapest tolerances", vec![text.into()]);
     if a.cell.reading == Reading::Signed {

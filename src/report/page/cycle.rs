@@ -8,9 +8,9 @@ use crate::report::text;
 /// Returns the section on the cycle time of the recommended layout; empty if the time is unknown.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Least time at the greatest speeds and accelerations of the joints, from rest to rest. Straight moves of the \
-                joints have synchronised trapezoidal speed profiles. Straight lines of the TCP are parameterised \
-                time-optimally. Torques and jerk are not limited.";
+    let text = "Least time at the maximum speeds and accelerations of the joints, from rest to rest. Straight \
+                moves of the joints have synchronized trapezoidal speed profiles. Straight lines of the TCP are \
+                parameterized time-optimally. Torques and jerk are not limited.";
     let mut section = Section::new("cycle", "Cycle time", vec![text.into()]);
     let Some(cycle) = a.cycle_time() else { return section };
     section.text.push(format!("{}.", text::cycle_heading(&cycle)));

@@ -204,7 +204,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
     let Some(found) = &subject.found else { return section };
     let unit = subject.cell().unit();
     section.text.push(format!(
-        "{} layouts were evaluated; {} of them are feasible and keep every limit. {}",
+        "{} layouts were evaluated; {} of them are feasible and within every limit. {}",
         found.evaluations,
         found.feasible,
         bound_in_words(found, subject)

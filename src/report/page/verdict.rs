@@ -175,7 +175,7 @@ fn summed(cell: &Cell) -> String {
         (_, Objective::WeightedMaximum) if weighted => "weighted maximum of ",
         (_, Objective::WeightedMaximum) => "maximum of ",
         (_, Objective::Lexicographic) => "in order of priority: ",
-        (_, Objective::ToleranceCost) => "cost of the tolerances that keep the limits in ",
+        (_, Objective::ToleranceCost) => "cost of the tolerances that meet the limits in ",
     };
     let misplaced = if cell.search.robust { ", at the worst misplacement" } else { "" };
     format!("{how}{}{misplaced}", names.join(" and "))
@@ -194,7 +194,7 @@ pub fn reading_in_words(cell: &Cell) -> String {
         _ => "in each operation alone, ",
     };
     let priced = match cell.search.objective {
-        Objective::ToleranceCost => "cost of the cheapest tolerances that keep the limit, as judged by: ",
+        Objective::ToleranceCost => "cost of the cheapest tolerances that meet the limit, as judged by: ",
         _ => "",
     };
     let alone = format!("{priced}{alone}");
@@ -234,7 +234,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.
         true if unit == Unit::Cost => (
             "met",
-            format!("{name} keeps its limit; the tightest tolerances would have {limit}"),
+            format!("{name} stays within its limit; the tightest tolerances would have {limit}"),
             FactMood::Good,
         ),
         false if unit == Unit::Cost => {
@@ -274,8 +274,8 @@ fn withstood(a: &Assessment<'_>) -> Option<FactEntry> {
     Some(FactEntry { label: "Placement tolerances".into(), value: None, text: text.into(), note, mood })
 }
 
-/// Returns the entry on the overall yield: the share of sampled arms that keep the limits of all operations.
-/// Returns None if the assessment has no overall yield.
+/// Returns the entry on the overall yield: the share of sampled arms that stay within the limits of all
+/// operations. Returns None if the assessment has no overall yield.
 fn joint_yield(a: &Assessment<'_>) -> Option<FactEntry> {
     let value = a.cell_yield?.value;
     let (text, note) = (format!("{:.3} %", percent_from_share(value)), yield_in_words(a)?);
@@ -363,7 +363,7 @@ fn sentence(a: &Assessment<'_>, k: usize) -> String {
         return format!("{} has no spot on {on}", shown(&operation.name));
     };
     let [x, y, z] = [0, 1, 2].map(|axis| format!("{:.1}", rounded(mm_from_m(node.position[axis]), 1)));
-    let word = if unit == Unit::Cost { "of the tolerances that keep the limit" } else { value_word(a.cell) };
+    let word = if unit == Unit::Cost { "of the tolerances that meet the limit" } else { value_word(a.cell) };
     let said = format!("{} {word} in {}", quantity(unit, value), shown(&operation.sense.name));
     let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm", node.i, node.j);
     match operation.over.needs_every_node() {

@@ -42,7 +42,7 @@ impl PageFlow {
         Self { pages: Vec::new(), page: FlowPage::default(), y: TOP, bottom: BOTTOM, pictures: 0 }
     }
 
-    /// Returns a flow on one page without a lower end, which begins at height 0.
+    /// Returns a flow on a single page of unlimited height. The flow begins at height 0.
     pub fn endless() -> Self {
         Self { y: 0.0, bottom: f64::INFINITY, ..Self::new() }
     }
@@ -120,7 +120,7 @@ impl PageFlow {
         }
     }
 
-    /// Places a picture with its title and its caption on one page.
+    /// Puts a picture with its title and its caption on one page.
     pub fn figure(&mut self, figure: &PageFigure, width: f64) {
         let Some((own_width, own_height)) = size(&figure.svg) else { return };
         let ratio = own_height / own_width;
@@ -132,7 +132,7 @@ impl PageFlow {
         self.y += 2.0;
     }
 
-    /// Places a picture in the middle of the page.
+    /// Puts a picture in the middle of the page.
     pub fn picture(&mut self, svg: &str, width: f64, height: f64) {
         self.pictures += 1;
         let number = self.pages.len() * 1000 + self.pictures;

@@ -71,9 +71,9 @@ pub struct Arrangement {
     pub ratio: f64,
     pub plan: SheetView,
     pub front: SheetView,
-    /// Left and top corner of the list, and its height, mm.
+    /// Top left corner of the list, and its height, mm.
     pub list: (f64, f64, f64),
-    /// Left and top corner of the scale bar, mm.
+    /// Top left corner of the scale bar, mm.
     pub bar: (f64, f64),
 }
 

@@ -129,7 +129,7 @@ fn costs(d: &AllocationDocument) -> String {
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
         ),
-        None => writeln!(out, "  no uniform tightening within the ranges keeps the limits"),
+        None => writeln!(out, "  no uniform tightening within the ranges meets the limits"),
     };
     let _ = writeln!(
         out,

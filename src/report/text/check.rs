@@ -33,8 +33,8 @@ pub fn samples_line(samples: &MonteCarlo, unit: Unit, holds: bool) -> String {
 }
 
 /// Returns the overall yield and the yield of each operation alone, as text. The overall yield is the share
-/// of sampled arms that keep the limits of all operations. The text is empty if the assessment has no overall
-/// yield.
+/// of sampled arms that stay within the limits of all operations. The text is empty if the assessment has no
+/// overall yield.
 pub fn yield_lines(a: &Assessment<'_>) -> String {
     let line = a.cell_yield.zip(yield_in_words(a));
     line.map_or(String::new(), |(all, said)| {
@@ -43,7 +43,7 @@ pub fn yield_lines(a: &Assessment<'_>) -> String {
 }
 
 /// Describes the overall yield and the yield of each operation alone. The overall yield is the share of
-/// sampled arms that keep the limits of all operations.
+/// sampled arms that stay within the limits of all operations.
 ///
 /// Each share has its 95 % confidence interval. Returns None if the assessment has no overall yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {

@@ -79,15 +79,15 @@ pub fn cycle_step_name(cell: &Cell, step: &CycleStep) -> String {
     }
 }
 
-/// Returns a clause that names the joints without a greatest speed.
+/// Returns a clause that names the joints whose maximum speed is not given.
 fn without_speed(cell: &Cell) -> String {
     let missing = cell.robot.joints_without_speed();
     let names: Vec<String> = missing.iter().map(|&k| shown(&cell.robot.joints[k].name)).collect();
     match missing.len() == cell.robot.joints.iter().filter(|joint| !joint.is_passive()).count() {
-        true => "the joints have no greatest speed".into(),
+        true => "the maximum speeds of the joints are not given".into(),
         false => format!(
-            "{} no greatest speed: {}",
-            if names.len() == 1 { "a joint has" } else { "joints have" },
+            "{} not given: {}",
+            if names.len() == 1 { "the maximum speed of a joint is" } else { "maximum speeds of joints are" },
             names.join(", ")
         ),
     }

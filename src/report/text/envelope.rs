@@ -110,7 +110,7 @@ fn dh_table(robot: &Robot) -> String {
     format!("D-H rows, {}: A = {matrix}\n{}\n", robot.convention.name(), table.render())
 }
 
-/// Describes the greatest speeds and accelerations of the joints; empty if the robot file states none.
+/// Describes the maximum speeds and accelerations of the joints; empty if the robot file states none.
 fn speeds(robot: &Robot) -> String {
     let known = robot.joints.iter().filter_map(|joint| {
         let (unit, shown_value): (_, fn(f64) -> f64) = match joint.kind {

@@ -171,7 +171,10 @@ fn a_map_of_many_nodes_is_thinned_and_says_so() {
     let svg = report::chart::error_map(&a);
     let drawn = svg.matches("<title>(").count();
     assert!((1000..=4000).contains(&drawn) && svg.len() < 2_000_000, "{drawn} nodes, {} bytes", svg.len());
-    assert!(texts(&svg).iter().any(|t| t.contains("one node of 5 is drawn along each axis")), "{drawn}");
+    assert!(
+        texts(&svg).iter().any(|t| t.contains("one in every 5 nodes is drawn along each axis")),
+        "{drawn}"
+    );
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn wrong_tables_are_refused_with_their_place() {
             assert!(ran.err.contains(words), "{name}: no {words:?} in {}", ran.err);
         }
     };
-    refused("columns.csv", ROWS, &[], &["no column is recognised as `x`", "--column x=NAME", "across"]);
+    refused("columns.csv", ROWS, &[], &["no column is recognized as `x`", "--column x=NAME", "across"]);
     let named = ["--column", "x=along", "--column", "y=across", "--column", "z=up"];
     refused("few.csv", ROWS, &named, &["few.csv"]);
     refused("unknown.csv", ROWS, &["--column", "q7=up"], &["`q7` is not a quantity of this arm"]);
@@ -95,7 +95,7 @@ fn wrong_tables_are_refused_with_their_place() {
     refused("numbers.csv", &bad, &[], &["numbers.csv:3:1", "`nan`", "numbers.csv:4:1", "`far`"]);
     refused("short.csv", &format!("{header}0,0,0\n"), &[], &["short.csv:2"]);
     refused("empty.csv", header, &[], &["no row of numbers"]);
-    refused("nothing.csv", "", &[], &["no column is recognised as `q1`"]);
+    refused("nothing.csv", "", &[], &["no column is recognized as `q1`"]);
     // These positions belong to no arm.
     let random: String = (0..60)
         .map(|i| format!("{i},{},{},0,0,{i},{},{},{}\n", i % 7, i % 5, i * 31 % 97, i * 17 % 89, i))

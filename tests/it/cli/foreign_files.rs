@@ -1,4 +1,4 @@
-//! Tests that no kind of file is read as another kind. Each kind is recognised by its content, and the
+//! Tests that no kind of file is read as another kind. Each kind is recognized by its content, and the
 //! message states the next step.
 
 use crate::cli::sandbox::*;

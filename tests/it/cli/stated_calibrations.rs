@@ -239,7 +239,7 @@ fn wrong_calibrations_are_refused_with_their_place() {
         &["ur10", "g.yaml"],
         "g.yaml",
         &good.replacen("x: 0", "x: .nan", 1),
-        &["not a number of m or rad"],
+        &["not a number in m or rad"],
     );
     refused(&["ur10", "h.yaml", "a.yaml"], "h.yaml", &good, &["give no other file with it"]);
     refused(

@@ -21,7 +21,7 @@ fn a_map_gives_the_yield_of_all_operations_together() {
     assert!(number(&whole["together"]["low"]) < together && together < number(&whole["together"]["high"]));
     let said = shop.done(&[&["map", CELL], &QUESTION[..]].concat()).out;
     assert!(
-        said.contains("sampled arms that keep the limits of all operations (")
+        said.contains("sampled arms that stay within the limits of all operations (")
             && said.contains("; each alone: assembly "),
         "{said}"
     );
@@ -39,7 +39,7 @@ fn a_sum_of_percentiles_is_not_called_a_percentile() {
     let facts = items(&verdict["facts"]);
     let note = |label: &str| text(&facts.iter().find(|f| f["label"] == label).unwrap()["note"]).to_string();
     assert!(note("Objective").contains("in each operation alone, 99 of 100 arms"), "{}", note("Objective"));
-    assert!(note("Yield").contains("keep the limits of all operations"), "{}", note("Yield"));
+    assert!(note("Yield").contains("stay within the limits of all operations"), "{}", note("Yield"));
     assert_eq!(verdict["cell_yield"], shop.json(&[&["map", CELL], &QUESTION[..]].concat())["cell_yield"]);
     // For a cell with only one operation, the page states its percentile.
     let verdict = shop.json(&["report", PAPER, "--quantity", "p99"]);

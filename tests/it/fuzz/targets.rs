@@ -110,7 +110,7 @@ pub fn robot() -> Target {
     let parse = move |input: &[u8]| {
         let is_robot = cell_files::is_robot("robot.toml", &mut |_| Ok(input.to_vec()));
         let answer = load_robot(input, &urdf, ("robot.toml", input));
-        assert!(is_robot || answer.is_err(), "an accepted robot is not recognised as one");
+        assert!(is_robot || answer.is_err(), "an accepted robot is not recognized as one");
         answer
     };
     let seeds = [files("cells/robots", ".toml"), vec![seed("robot.toml")]].concat();

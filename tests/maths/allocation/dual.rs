@@ -16,7 +16,7 @@ fn ascended(problem: &ToleranceProblem) -> Option<PricedScales> {
     priced_scales(&problem.costs, &figures, 1e-6, &mut FigureScratch::default())
 }
 
-/// Both the cost and the lower bound match an independent method; the scales keep every limit.
+/// Both the cost and the lower bound match an independent method; the scales meet every limit.
 #[test]
 fn dual_ascent_costs_as_much_as_an_independent_method_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(120);

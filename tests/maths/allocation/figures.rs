@@ -17,7 +17,7 @@ const HEAD: &str = "# What the cheapest tolerances save\n\n\
     are read as tolerances. The limit of each operation is a share of the present worst case or 95th percentile, at the\n\
     spot or at the worst of all usable nodes. A tolerance costs 1 at its present value and 1 / scale at another value,\n\
     with scales from 0.1 to 3. \"Uniform\" is the cost of uniform tightening, which gives all tolerances the same scale.\n\
-    \"Cheapest\" is the cost of the cheapest tolerances. Both solutions keep the limits according to the error model of\n\
+    \"Cheapest\" is the cost of the cheapest tolerances. Both solutions meet the limits according to the error model of\n\
     the cell. Limits of percentiles are also checked by samples. \"Gap\" is the duality gap. The times were measured in\n\
     one run, on 2 cores that other jobs also used, and include maps and samples. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths allocation::figures -- --nocapture\n\n\
@@ -58,7 +58,7 @@ fn limited(name: &str, asked: Asked) -> Result<Cell, String> {
     Ok(cell)
 }
 
-/// Returns a row of the table; checks that the cheapest tolerances keep the limits and cost least.
+/// Returns a row of the table; checks that the cheapest tolerances meet the limits and cost least.
 fn row(name: &str, asked: Asked) -> String {
     let place = if asked.nodes == AllocatedNodes::Spots { "spots" } else { "all nodes" };
     let head =

@@ -101,8 +101,7 @@ fn the_objective_is_the_cost_that_the_allocation_finds() {
     }
 }
 
-/// A layout at which even the tightest tolerances exceed a limit ranks behind all layouts that keep the
-/// limits.
+/// A layout at which even the tightest tolerances exceed a limit ranks behind all layouts within the limits.
 #[test]
 fn a_limit_beyond_the_tightest_tolerances_is_missed() {
     let workcell =

@@ -177,7 +177,7 @@ fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     for _ in 0..2_000 {
         let (mut q, joint) = (random_joints(&robot, &mut rng), rng.random_range(0..4));
         let limits = robot.joints[joint].limits;
-        // A limit counts as kept up to 1e-12 in the cosine of the angle from its middle.
+        // A limit counts as met up to 1e-12 in the cosine of the angle from its middle.
         q[joint] = limits.1 + 1e-12 * rng.random_range(0.999..1.001) / half(limits).sin();
         let (target, bend) = held(&robot, &q);
         let approach = arm.tool_attitudes(&Attitude::elevation(bend), 0.0);

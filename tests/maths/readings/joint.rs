@@ -37,8 +37,8 @@ fn limited(limits: [f64; 2], errors: [Option<FrameErrors>; 2]) -> Workcell {
     Workcell::new(cell).unwrap()
 }
 
-/// Returns the shares of plain random arms that keep the limits of both operations, of the first and of the
-/// second operation. For each arm, each parameter of the robot and of each fixture is drawn once.
+/// Returns the shares of plain random arms that stay within the limits of both operations, of the first and
+/// of the second operation. For each arm, each parameter of the robot and of each fixture is drawn once.
 fn drawn(a: &Assessment<'_>, count: usize) -> [f64; 3] {
     let mut rng = ChaCha8Rng::seed_from_u64(81);
     let posed = [0, 1].map(|k| {
@@ -110,7 +110,7 @@ fn the_yield_of_a_cell_agrees_with_random_arms() {
 }
 
 /// If only the fixtures have errors, which the operations do not share, the joint yield is the product of the
-/// yields. If only the robot has errors, two equal operations keep their limits on the same arms.
+/// yields. If only the robot has errors, two equal operations stay within their limits on the same arms.
 #[test]
 fn shared_parameters_have_one_draw_and_others_are_independent() {
     let side = Spread { plus_minus: m_from_mm(3.0), distribution: Distribution::Uniform, sigmas: 3.0 };

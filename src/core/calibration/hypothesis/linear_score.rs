@@ -99,7 +99,7 @@ impl<'c> LinearScore<'c> {
                 squares += t * t;
                 for (i, a) in row.clone() {
                     right[i] += a * t;
-                    // The factorisation reads only the lower triangle.
+                    // The factorization reads only the lower triangle.
                     row.clone().filter(|(j, _)| *j <= i).for_each(|(j, b)| normal[(i, j)] += a * b);
                 }
             }

@@ -29,8 +29,8 @@ use linear_score::LinearScore;
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
 
-/// Root mean square distance, as a share of the reach of the arm, below which the plain reading is kept
-/// without trying other hypotheses.
+/// The plain reading is kept, and no other hypothesis is tried, if its root mean square distance is below
+/// this share of the reach of the arm.
 const GOOD: f64 = 1e-3;
 
 /// Factor by which another hypothesis must reduce the distance of the plain reading.

@@ -1,7 +1,7 @@
 //! Closed form of the planar arm: a base yaw, then three parallel axes that move the tool in a vertical
 //! plane. An optional fifth axis rolls the tool about its own axis.
 //!
-//! The robot of the seed paper (Hitachi PW 10-II) belongs to this family. Palletizers belong to it, too:
+//! The robot of the seed paper (Hitachi PW 10-II) belongs to this family. Palletizers are planar arms, too:
 //! their third parallel axis is passive.
 //!
 //! Let s be the signed horizontal distance of the TCP from the base axis in the vertical plane: positive in

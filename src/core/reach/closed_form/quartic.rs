@@ -6,7 +6,7 @@ pub(in crate::reach) type Polynomial = [f64; 5];
 /// Polynomial up to the second degree: coefficients of 1, x, x^2.
 pub(in crate::reach) type Quadratic = [f64; 3];
 
-/// Largest absolute value of the polynomial at an extremum that counts as a double root.
+/// An extremum counts as a double root if the absolute value of the polynomial there is at most this value.
 ///
 /// The limit is relative to the sum of the absolute values of the polynomial's terms at the extremum.
 const DOUBLE_ROOT: f64 = 1e-7;

@@ -14,9 +14,9 @@ const COUNT: usize = PositioningArm::BRANCHES;
 const INTERVALS: usize = 32;
 /// Largest number of roots.
 const MAX_ROOTS: usize = 16;
-/// Width of an interval, rad, below which the interval is not halved to find pairs of roots.
+/// An interval narrower than this width, rad, is not halved to find pairs of roots.
 const LEAST_WIDTH: f64 = 1e-5;
-/// Width of an interval, rad, below which the end of a function is known precisely.
+/// The end of a function is known precisely if its interval is narrower than this width, rad.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
 /// Factor that multiplies the second difference of a function at three angles. If the absolute values at all
 /// three angles exceed the product, the function has no root between the angles. For a parabola, the factor

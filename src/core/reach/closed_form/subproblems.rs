@@ -13,9 +13,10 @@ use nalgebra::{Matrix3, Vector3};
 /// target at the edge of the reach.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
-/// Sine below which two axes count as aligned, because their common normal has no reliable direction.
+/// Two axes count as aligned if the sine of their angle is below this value, because their common normal has
+/// no reliable direction.
 ///
-/// The value is also the distance (m) from an axis below which a point counts as lying on the axis.
+/// A point counts as lying on an axis if its distance (m) from the axis is below this value.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
 /// Cosine and sine of an angle.

@@ -66,7 +66,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
         let goals: [&SoughtLength<'_, N>; 4] = [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
         let found: Vec<[f64; N]> = goals.par_iter().map(|goal| self.farthest(goal)).collect::<Option<_>>()?;
         let [inner, outer, low, high] = [0, 1, 2, 3].map(|k| of(&found[k]));
-        // An envelope that is nearer to the base axis than the accuracy counts as touching the axis.
+        // An envelope counts as touching the base axis if its distance from the axis is less than `ACCURACY`.
         let least = if inner.0 < ACCURACY { 0.0 } else { inner.0 };
         Some(EnvelopeExtent {
             radius: (least, outer.0),

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Change between neighbouring points above which the integrand counts as discontinuous.
+/// The integrand counts as discontinuous if it changes by more than this value between neighbouring points.
 ///
 /// The integrand is an angle in rad, or 1 at reachable points and 0 at other points.
 const JUMP: f64 = 0.05;

@@ -11,7 +11,8 @@ use super::half_angle_equations::{HalfAngleRows, half_angle_terms, residual};
 use nalgebra::linalg::Schur;
 use nalgebra::{Complex, Matrix4, SMatrix, Vector3};
 
-/// Ratio of the last pivot but one to the first pivot, below which several solutions may share angle 2.
+/// Several solutions may share angle 2 if the ratio of the second-last pivot to the first pivot is below this
+/// value.
 const SMALL_PIVOT: f64 = 2e-3;
 
 /// Largest number of solutions with the same angle 2 that can be distinguished.
@@ -20,10 +21,10 @@ const SHARED: usize = 4;
 /// Angle (rad) added to half of angle 3, so that the half tangents of frequent angles are not infinite.
 const HALF_ROTATION: f64 = 0.7;
 
-/// Imaginary part of an eigenvalue, as a share of its size, below which the eigenvalue counts as real.
+/// An eigenvalue counts as real if its imaginary part is below this share of its absolute value.
 const NEARLY_REAL: f64 = 0.1;
 
-/// Difference of two eigenvalues, as a share of their size, below which they count as equal.
+/// Two eigenvalues count as equal if they differ by less than this share of their absolute value.
 const SAME_EIGENVALUE: f64 = 1e-4;
 
 /// Accuracy with which the eigenvalues are computed.
@@ -32,11 +33,12 @@ const SCHUR_ACCURACY: f64 = 1e-14;
 /// Largest number of iterations for the eigenvalues.
 const SCHUR_STEPS: usize = 60;
 
-/// Squared sine of the angle between two equations for angle 4, above which their common root is computed.
+/// The common root of two equations for angle 4 is computed if the squared sine of the angle between the
+/// equations is above this value.
 const INDEPENDENT: f64 = 1e-8;
 
-/// Squared sine of the angle between two equations for angle 4, below which the two roots of one equation are
-/// computed.
+/// The two roots of one equation for angle 4 are computed if the squared sine of the angle between both
+/// equations is below this value.
 const DEPENDENT: f64 = 1e-4;
 
 /// Twelve nearly singular equations in upper triangular form.

@@ -23,7 +23,7 @@ const COSINES: [f64; 7] = [
 /// Rounding error of a value, as a share of the sum of all coefficients.
 const ROUNDING: f64 = 1e-16;
 
-/// Noise, as a share of the greatest coefficient, above which the roots of a polynomial are not defined.
+/// The roots of a polynomial are not defined if the noise is above this share of the greatest coefficient.
 const MAX_NOISE: f64 = 1e-10;
 
 /// Trigonometric polynomial: the real part of the sum of `c[k] exp(i k t)` for k from 0 to 8.

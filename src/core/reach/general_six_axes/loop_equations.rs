@@ -6,8 +6,8 @@ use super::line_coordinates::LineCoordinates;
 use super::scaled_arm::turned;
 use crate::pose::Pose;
 
-/// Determinant of the normal equations for angle 0, as a share of the squared trace, below which the
-/// equations are nearly dependent.
+/// The normal equations for angle 0 are nearly dependent if their determinant is below this share of the
+/// squared trace.
 ///
 /// Angle 0 then has two values.
 const NEARLY_DEPENDENT: f64 = 1e-12;

@@ -8,30 +8,29 @@
 use super::circle_polynomial::CirclePolynomial;
 use std::f64::consts::PI;
 
-/// Multiple of the noise above which a value differs from zero.
+/// A value differs from zero if it is above this multiple of the noise.
 const CLEAR: f64 = 30.0;
 
-/// Half width of an interval, rad, below which the interval is not halved, and all its roots count as one
-/// root.
+/// An interval is not halved, and all its roots count as one root, if its half width is below this value,
+/// rad.
 const NARROWEST: f64 = 2e-6;
 
-/// Half width of an interval, rad, below which the interval counts as one root if all its values may be
-/// noise.
+/// An interval whose values may all be noise counts as one root if its half width is below this value, rad.
 const NARROW: f64 = 0.01;
 
-/// Distance of two roots, rad, below which they belong to one multiple root.
+/// Two roots belong to one multiple root if their distance is below this value, rad.
 const SAME_ROOT: f64 = 1e-5;
 
 /// Number of intervals with which the search begins.
 const INTERVALS: usize = 32;
 
-/// Step, rad, below which an extremum counts as found.
+/// An extremum counts as found when the step is below this value, rad.
 const EXTREMUM_ACCURACY: f64 = 1e-9;
 
-/// Step, rad, below which a root counts as found.
+/// A root counts as found when the step is below this value, rad.
 const ROOT_ACCURACY: f64 = 1e-13;
 
-/// Multiple of the noise below which a value counts as zero.
+/// A value counts as zero if it is below this multiple of the noise.
 const ZERO: f64 = 0.1;
 
 /// Largest number of steps to an extremum.

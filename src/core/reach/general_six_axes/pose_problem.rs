@@ -13,14 +13,15 @@ use std::f64::consts::{PI, TAU};
 /// Largest number of isolated solutions of six revolute axes.
 const MAX_SOLUTIONS: usize = 16;
 
-/// Difference of joint angles, rad, below which two solutions count as the same.
+/// Two solutions count as the same if their joint angles differ by less than this value, rad.
 const SAME_JOINT: f64 = 1e-5;
 
-/// Distance of a solution from its start, rad, below which the start may be the middle of two solutions.
+/// A start may be the middle of two solutions if its distance from the solution found is below this value,
+/// rad.
 const NEAR_START: f64 = 0.2;
 
-/// Ratio of the first step of Newton's method to the whole change of a joint, above which this step
-/// overshoots.
+/// The first step of Newton's method overshoots if its ratio to the whole change of a joint is above this
+/// value.
 const OVERSHOOT: f64 = 1.05;
 
 /// Largest residual of the equations at a start of Newton's method.
@@ -34,7 +35,8 @@ const EXACT_RESIDUAL: f64 = 2e-4;
 /// Increase of the largest residual per radian of the uncertainty of angle 2.
 const RESIDUAL_PER_UNCERTAINTY: f64 = 1000.0;
 
-/// Uncertainty of a root, rad, above which the polynomial is sampled again in the vicinity of the root.
+/// The polynomial is sampled again in the vicinity of a root if the uncertainty of the root is above this
+/// value, rad.
 const UNCERTAIN: f64 = 1e-3;
 
 /// Largest uncertainty, rad, by which the vicinity of a root is extended.

@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::robot::Link;
 use nalgebra::{Matrix3, Vector3};
 
-/// Error of a pose, rad and in units of the arm's length, below which the pose is reached.
+/// A pose is reached if its error, rad and in units of the arm's length, is below this value.
 const POSE_ERROR: f64 = 1e-11;
 
 /// Error (rad and units of the arm's length) that is due to rounding. Newton's method ends below this error.

@@ -10,7 +10,8 @@ const MAX_IDLE_STARTS: usize = 256;
 const MAX_SOLUTIONS: usize = 16;
 /// Largest number of collected solutions, from which at most [`MAX_SOLUTIONS`] are chosen.
 const MAX_COLLECTED: usize = 64;
-/// Largest joint difference between two solutions that count as the same, rad (m for a prismatic joint).
+/// Two solutions count as the same if no joint differs by more than this value, rad (m for a prismatic
+/// joint).
 const SAME_SOLUTION: f64 = 1e-4;
 /// Least joint difference between two collected solutions of a continuum, rad (m for a prismatic joint).
 const CONTINUUM_SPACING: f64 = 0.1;

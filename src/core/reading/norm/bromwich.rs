@@ -21,13 +21,13 @@ use std::sync::LazyLock;
 
 /// Number of points on the upper half of the parabola.
 const N: usize = 14;
-/// Noncentrality up to which the integral along the parabola is accurate to 1e-10.
+/// Largest noncentrality for which the integral along the parabola is accurate to 1e-10.
 ///
 /// The noncentrality is `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
 /// along its eigenvector.
 const MAX_CENTRAL: f64 = 6.0;
-/// Value of `Q - shift` below which the probability is set to 0, because smaller values practically never
-/// occur.
+/// The probability is set to 0 if `Q - shift` is below this value, because such small values practically
+/// never occur.
 ///
 /// Here `Q` is the squared norm `|e|^2`, and `shift` is the constant part of `Q`. Lengths are in units of the
 /// RMS norm, so `Q` has the mean 1.

@@ -11,8 +11,8 @@ use super::cumulants::{Axes, Cumulants};
 use super::jacobi::{covariance, diagonalize};
 use nalgebra::{Complex, Vector6};
 
-/// Share of the trace of the covariance below which an eigenvalue counts as zero, because the eigenvalue may
-/// be a rounding error.
+/// An eigenvalue counts as zero if it is below this share of the trace of the covariance, because it may be a
+/// rounding error.
 const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Limit of the components: a vector counts as zero if all its components are smaller in absolute value.
 const MIN_SIZE: f64 = 1e-300;

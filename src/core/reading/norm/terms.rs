@@ -19,10 +19,10 @@ use nalgebra::Vector6;
 /// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
 
-/// Largest excess kurtosis that all merged bounded parameters together may contribute to the error.
-///
-/// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum. The error excludes
+/// Largest excess kurtosis that all merged bounded parameters together may contribute to the error without
 /// the dominating parameter.
+///
+/// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum.
 const MAX_REST_EXCESS: f64 = 0.008;
 
 /// Factor in [`weight`] for a parameter that alone varies the error in its direction.

@@ -17,7 +17,7 @@ use super::climb;
 use super::sign_table::{SignTable, WIDTH, try_all};
 use nalgebra::Vector6;
 
-/// Number of generators up to which all combinations of signs are tried.
+/// Largest number of generators for which all combinations of signs are tried.
 const MAX_EXHAUSTIVE: usize = 11;
 /// Largest number of nodes in the search of a subproblem. A subproblem leaves out the largest generators.
 const MAX_SUBPROBLEM_NODES: usize = 20_000;

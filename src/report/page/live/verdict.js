@@ -1,4 +1,4 @@
-// The verdict on the layout shown, and the change by the last step.
+// The verdict on the layout shown, and the change that the last step caused.
 
 /**
  * Shows the error of a layout, whether it is feasible, and what the step changed.
