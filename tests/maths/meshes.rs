@@ -287,7 +287,7 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "does not exist",
         ),
         ("part.obj", b"\xff\xfe".to_vec(), "it is not UTF-8 text"),
-        ("part.obj", [corners.as_bytes(), b"f 1 2 99999999999999999999"].concat(), "whole numbers"),
+        ("part.obj", [corners.as_bytes(), b"f 1 2 99999999999999999999"].concat(), "by integers"),
         ("part.obj", [corners.as_bytes(), b"f 1 2 -9"].concat(), "does not exist"),
     ]
 }

@@ -45,7 +45,7 @@ class AllocatedEntry(Record):
     after: Optional[float]
     """Half width of the cheapest tolerance; null if infeasible."""
     scale: Optional[float]
-    """`after` divided by `before`."""
+    """`after` divided by `before`; null if infeasible."""
     scale_range: _Numbers
     """Least and greatest permitted scale."""
     cost_before: float
@@ -53,7 +53,7 @@ class AllocatedEntry(Record):
     grade: Optional[str]
     """Name of the chosen grade; null for a continuous cost."""
     at_end: Optional[Literal['tightest', 'loosest']]
-    """End of the permitted range at which the tolerance is; null between the ends."""
+    """End of the permitted range at which the tolerance lies; null if the tolerance lies between the ends."""
 
     _nested = {
         'scale_range': ('numbers', ''),
@@ -61,7 +61,7 @@ class AllocatedEntry(Record):
 
 
 class AllocationDocument(Record):
-    """Tolerance allocation: the cheapest tolerances with which every operation keeps its limit."""
+    """Tolerance allocation: the cheapest tolerances with which every operation stays within its limit."""
 
     schema: Literal['sweetspot/allocation/1']
     cell: str
@@ -74,10 +74,10 @@ class AllocationDocument(Record):
     """Name of the figure that is limited."""
     registration: Literal['none', 'best-fit', 'taught']
     demanded_yield: Optional[float]
-    """Share of random arms that must keep each limit; null unless the quantity is the yield."""
+    """Share of random arms that must stay within each limit; null unless the quantity is the yield."""
     status: Literal['cheapest', 'exceeded', 'infeasible']
     cost_before: float
-    """Cost of the tolerances of the error set."""
+    """Cost of the tolerances in the error set."""
     cost: Optional[float]
     """Least cost found; null if the limits cannot be kept."""
     lower_bound: Optional[float]
@@ -87,7 +87,7 @@ class AllocationDocument(Record):
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
     uniform: Optional[UniformEntry]
-    """Uniform tightening for comparison; null if no common scale keeps the limits."""
+    """Uniform tightening for comparison; null if no common scale meets the limits."""
     parameters: Table[AllocatedEntry]
     fixed: List[str]
     """Names of the error parameters that the allocation does not change, because they are measured or
@@ -97,7 +97,7 @@ class AllocationDocument(Record):
     shortfalls: Table[ShortfallEntry]
     """Limits that even the tightest tolerances exceed."""
     judgement: Optional[JudgementEntry]
-    """How the full error model judges the tolerances; null if infeasible."""
+    """Judgement of the tolerances by the full error model; null if infeasible."""
 
     _nested = {
         'uniform': ('record', 'UniformEntry'),
@@ -116,13 +116,13 @@ class AllocationRequirement(Record):
     unit: Literal['share', 'cost', 'mm', 'deg']
     limit: float
     before: float
-    """Figure with the tolerances of the error set."""
+    """Figure with the tolerances in the error set."""
     after: Optional[float]
     """Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible."""
     is_binding: bool
     """Whether the figure is at its limit."""
     shadow_price: Optional[float]
-    """Decrease of the cost per unit by which the limit is raised; null if infeasible."""
+    """Decrease of the cost for each unit by which the limit is raised; null if infeasible."""
     sampled: Optional[float]
     """Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled."""
 
@@ -194,7 +194,7 @@ class BudgetDocument(Record):
 
 
 class CalibratedFile(Record):
-    """File of measured positions in the fit."""
+    """File of measured positions that was part of the fit."""
 
     file: str
     poses: int
@@ -251,17 +251,17 @@ class CalibrationDocument(Record):
 
 
 class CellYieldEntry(Record):
-    """Share of arms that keep the limits of the operations, estimated by Monte Carlo with the nonlinear model.
-    One sample is one arm in one cell. For each sample, the error of every operation at its spot is compared
-    with the limit. An operation at every node is judged at its worst node. An operation without a limit
-    counts as within its limit. The intervals are Wilson score intervals for 95 %.
+    """Share of arms that stay within the limits of the operations, estimated by Monte Carlo with the nonlinear
+    model. One sample is one arm in one cell. For each sample, the error of every operation at its spot is
+    compared with the limit. An operation at every node is judged at its worst node. An operation without a
+    limit counts as within its limit. The intervals are Wilson score intervals for 95 %.
     """
 
     samples: int
     together: EstimateEntry
-    """Share of arms that keep the limits of all operations."""
+    """Share of arms that stay within the limits of all operations."""
     operations: Dict[str, EstimateEntry]
-    """Share of arms that keep the limit of each operation alone; only operations with a limit are listed."""
+    """Share of arms that stay within the limit of each operation alone; only operations with a limit are listed."""
 
     _nested = {
         'together': ('record', 'EstimateEntry'),
@@ -280,7 +280,7 @@ class CheckDocument(Record):
     checked.
     """
     operations: Table[OperationOrderEntry]
-    """How a search treats each operation. Empty if the cell is not valid."""
+    """Entries that state how a search treats each operation. Empty if the cell is not valid."""
     urdf: Optional[UrdfEntry]
     """Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows."""
 
@@ -293,7 +293,7 @@ class CheckDocument(Record):
 
 
 class Choices(Record):
-    """Key of a cell, with all the values that a sweep gives it in turn."""
+    """Key of a cell, with the values that a sweep sets one after the other."""
 
     path: str
     values: List[str]
@@ -322,12 +322,12 @@ class ComparedFile(Record):
     """Statistics of the measured minus the predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part of the
+    random errors are assumed constant over the poses. The fit of base and reflectors absorbs a part of the
     random errors.
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    misfit of a calibration changes like this. Null unless the errors are measured.
+    misfit of a calibration changes from pose to pose. Null unless the errors are measured.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
@@ -409,7 +409,7 @@ class ComparedPosition(Record):
 
 
 class ComparisonDocument(Record):
-    """Comparison of layouts; the first one is the reference."""
+    """Comparison of layouts; the first layout is the reference."""
 
     schema: Literal['sweetspot/compare/1']
     layouts: Table[ComparedLayout]
@@ -505,20 +505,20 @@ class CycleStepEntry(Record):
 
 
 class CycleTimeEntry(Record):
-    """Least time of the operations and motions of a layout, at the greatest speeds and accelerations of the
+    """Least time of the operations and motions of a layout, at the maximum speeds and accelerations of the
     joints.
     """
 
     total_s: Optional[float]
-    """Sum of the times of all steps; null if a joint has no greatest speed."""
+    """Sum of the times of all steps; null if the maximum speed of a joint is not given."""
     is_cycle: bool
     """Whether the robot returns to the first operation, so that the total is the time of a cycle."""
     is_estimate: bool
     """Whether an acceleration is assumed, so that the times are estimates."""
     steps: Table[CycleStepEntry]
-    """Steps in the order of execution; empty if a joint has no greatest speed."""
+    """Steps in the order of execution; empty if the maximum speed of a joint is not given."""
     missing_speeds: List[str]
-    """Joints whose greatest speed is missing."""
+    """Joints whose maximum speed is missing."""
 
     _nested = {
         'steps': ('table', 'CycleStepEntry'),
@@ -618,7 +618,7 @@ class ErrorsDocument(Record):
     name: str
     """Name of the error set in the table for the robot file."""
     guess: bool
-    """Whether the tolerances are guessed from a preset or a data sheet. If not, they are the tolerances of an
+    """Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
     error set of the robot.
     """
     source: str
@@ -635,7 +635,7 @@ class ErrorsDocument(Record):
     scale: float
     """Factor by which the tolerances of the origin are multiplied."""
     steps: int
-    """Number of predictions that the search for the factor took."""
+    """Number of predictions that the search for the factor needed."""
     ap: AccuracyQuantiles
     """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
@@ -720,7 +720,7 @@ class ExplanationDocument(Record):
     dh: Table[DhEntry]
     """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. For modified rows in
     the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. `l_mm` and `alpha_deg` of
-    row 1 of the file are part of frame 0. In the last row of this table, both are 0.
+    row 1 of the file are part of frame 0. In the last row of this table, `l_mm` and `alpha_deg` are 0.
     """
     frames: Table[FrameEntry]
     """Frames of the links and of the TCP, in the base frame."""
@@ -803,8 +803,8 @@ class FactEntry(Record):
 
 
 class FailedCombination(Record):
-    """Combination that its last worker did not finish. A worker that looks for work takes the combination over,
-    unless it is given up.
+    """Combination that its last worker did not finish. The next free worker takes over the combination, unless
+    the combination is given up.
     """
 
     index: int
@@ -860,13 +860,13 @@ class GoalsEntry(Record):
     travel_deg: float
     footprint_m2: float
     time_s: Optional[float]
-    """Least time of the motions and the operations; absent if a joint has no greatest speed."""
+    """Least time of the motions and the operations; absent if the maximum speed of a joint is not given."""
     cost: Optional[float]
-    """Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances."""
+    """Cost of the cheapest tolerances that meet every limit; absent if the search does not price tolerances."""
 
 
 class GuardEntry(Record):
-    """Check of the approximate error models against the nonlinear one over the usable nodes."""
+    """Check of the approximate error models against the nonlinear model over the usable nodes."""
 
     threshold_percent: float
     linear: ModelGuardEntry
@@ -881,7 +881,9 @@ class GuardEntry(Record):
 
 
 class HarmonicsEntry(Record):
-    """Periodic errors of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)`."""
+    """Periodic error of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)` over
+    all k.
+    """
 
     joint: str
     prior_deg: float
@@ -939,15 +941,15 @@ class IslandEntry(Record):
 
     seed: int
     is_best: bool
-    """Whether this island found the best layout, the one with the least objective. Among equals, the first
-    island counts.
+    """Whether this island found the best layout: the layout with the least objective. If several islands are
+    equally good, the first one counts.
     """
     least_value: Optional[float]
-    """Least objective found, in `unit`; null if no layout is feasible and keeps every limit."""
+    """Least objective found, in `unit`; null if no layout is feasible and within every limit."""
     evaluations: int
     """Number of layouts evaluated."""
     feasible: int
-    """Number of layouts evaluated that are feasible and keep every limit."""
+    """Number of evaluated layouts that are feasible and within every limit."""
     ended: Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']
     """Reason why the search ended."""
 
@@ -972,9 +974,9 @@ class JointSheet(Record):
     """Least and greatest coordinate, in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     max_velocity: Optional[float]
-    """Greatest speed, in `unit` per s; null if the robot file states none."""
+    """Maximum speed, in `unit` per s; null if the robot file states none."""
     max_acceleration: Optional[float]
-    """Greatest acceleration, in `unit` per s^2; null if the robot file states none."""
+    """Maximum acceleration, in `unit` per s^2; null if the robot file states none."""
 
     _nested = {
         'limits': ('numbers', ''),
@@ -986,16 +988,16 @@ class JudgementEntry(Record):
 
     missed_percent: float
     """Largest excess over a limit that the full error model finds for the first solution, percent. Negative if
-    the solution keeps all limits.
+    the solution meets all limits.
     """
     rounds: int
     """Number of rounds that adapted the linear requirements to the full model."""
     sampled_rounds: int
     """Number of rounds that Monte Carlo samples caused."""
     excess_percent: float
-    """Largest excess over a limit at the end, percent; negative if all limits are kept."""
+    """Largest excess over a limit at the end, percent; negative if all limits are met."""
     programs: int
-    """Number of cone programs that the last solution took."""
+    """Number of cone programs that were solved for the last solution."""
 
 
 class LargestEntry(Record):
@@ -1076,20 +1078,20 @@ class MapDocument(Record):
     overlaps: List[str]
     """Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance."""
     cell_yield: Optional[CellYieldEntry]
-    """Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
-    reading is statistical, every operation has a spot, and an operation has a limit.
+    """Share of arms that stay within the limits of all operations, and of each operation alone. Left out unless
+    the reading is statistical, every operation has a spot, and an operation has a limit.
     """
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
     certified: Any
     """Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
-    reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
     """
     reasons: List[str]
     """Reasons why the layout is not feasible."""
     transfers: Optional[Table[TransferEntry]]
     """Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion prevents
-    them. Left out if the cell does not check motions.
+    these motions. Left out if the cell does not check motions.
     """
     cycle_time: Optional[CycleTimeEntry]
     """Cycle time of the layout; left out if the layout is not feasible."""
@@ -1197,11 +1199,11 @@ class MeasuringPlanDocument(Record):
     cell: str
     robot: str
     poses: Table[PlannedPoseEntry]
-    """Poses in the layout as drawn, the most informative first."""
+    """Poses in the layout of the cell file, the most informative first."""
     expected: ExpectedEntry
     tried: TriedEntry
     unknowns: int
-    """Number of unknowns of the calibration, including those of base and reflector."""
+    """Number of unknowns of the calibration, including the unknowns of base and reflector."""
     reflector_mm: _Numbers
     """Position of the reflector in the frame of the mechanical interface."""
     tracker_mm: Optional[_Numbers]
@@ -1248,7 +1250,7 @@ class MisplacedOperation(Record):
 
 
 class ModelGuardEntry(Record):
-    """Discrepancy between one error model and the nonlinear one."""
+    """Discrepancy between one error model and the nonlinear model."""
 
     most_percent: float
     nodes_above: int
@@ -1294,8 +1296,8 @@ class MotionEntry(Record):
     """Axis of `frame` along or about which the motion happens: x, y or z."""
     frame: str
     factor: float
-    """Amount of the motion per unit of the parameter. For an elastic parameter, this is a lever in m or a torque
-    in N m.
+    """Amount of the motion per unit of the parameter. For an elastic parameter, the amount is a lever in m or a
+    torque in N m.
     """
     axis_base: _Numbers
     lever_base_mm: _Numbers
@@ -1416,12 +1418,12 @@ class OperationMapEntry(Record):
 
 
 class OperationOrderEntry(Record):
-    """How a search treats the postures of an operation."""
+    """Statement of how a search treats the postures of an operation."""
 
     name: str
     judges: str
-    """Postures that the search judges. If lower bounds of the error leave some postures out, this is "ranked-
-    nodes", "spin-families" or "bounded-postures". Otherwise, it is "every-posture".
+    """Postures that the search judges. If lower bounds of the error leave some postures out, the value is
+    "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, the value is "every-posture".
     """
     why: Optional[str]
     """Reason why every posture is judged; null if lower bounds leave some postures out."""
@@ -1552,15 +1554,15 @@ class PoseEntry(Record):
 
 class PostureGuardEntry(Record):
     """Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
-    the position errors of the model and of the nonlinear model. It is in percent of the length of the
-    nonlinear position error.
+    the position errors of the model and of the nonlinear model. The discrepancy is in percent of the length
+    of the nonlinear position error.
     """
 
     threshold_percent: float
     linear_off_percent: float
     second_order_off_percent: float
     off_percent: float
-    """Discrepancy between the chosen error model and the nonlinear one, percent."""
+    """Discrepancy between the chosen error model and the nonlinear model, percent."""
     trusted: bool
 
 
@@ -1621,7 +1623,7 @@ class ReadingEntry(Record):
 
 
 class ReadingsDocument(Record):
-    """Results of evaluating the drawn layout under every reading and registration. Positions are in the world
+    """Results for the layout of the cell file under every reading and registration. Positions are in the world
     frame, mm.
     """
 
@@ -1740,11 +1742,11 @@ class RemediesDocument(Record):
     evaluations: int
     """Number of layouts that both searches evaluated."""
     remedies: Table[RemedyEntry]
-    """One entry for each remedy: as drawn, calibrated, moved, both."""
+    """One entry for each remedy: none, calibrate, move, both."""
     advised: List[Literal['as-drawn', 'calibrated', 'moved', 'both']]
-    """Remedies each of which is sufficient alone; empty if no remedy helps."""
+    """Remedies that are each sufficient alone; empty if no remedy helps."""
     advice: str
-    """Advice in one sentence."""
+    """Advice in words."""
 
     _nested = {
         'remedies': ('table', 'RemedyEntry'),
@@ -1759,9 +1761,9 @@ class RemedyEntry(Record):
     objective: Optional[float]
     """Objective in the unit of the document; null if the layout is not feasible."""
     gain_percent: Optional[float]
-    """Reduction of the objective relative to the layout as drawn, percent."""
+    """Reduction of the objective relative to the present layout, percent."""
     within_limits: Optional[bool]
-    """Whether every operation keeps its limit; null if no operation has one."""
+    """Whether every operation stays within its limit; null if no operation has a limit."""
     reasons: List[str]
     """Reasons why the layout is not feasible."""
     layout: Dict[str, PlacementEntry]
@@ -1817,13 +1819,15 @@ class RequirementEntry(Record):
     """Limit of an operation and the margin to it, in the unit of the objective."""
 
     limit: float
-    """Largest allowed value of the operation. If the objective is a cost, the cost of the tightest tolerances."""
+    """Largest allowed value of the operation. If the objective is a tolerance cost, this is the cost of the
+    tightest tolerances.
+    """
     margin: float
     """Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
-    withstand misplacements, `worst` takes the place of the value.
+    withstand misplacements, `worst` replaces the value.
     """
     met: bool
-    """Whether the limit is kept. The limit counts as missed if `worst` is needed but no bound is known."""
+    """Whether the limit is met. The limit counts as missed if `worst` is needed but no bound is known."""
 
 
 class ResolvedOperation(Record):
@@ -1855,7 +1859,7 @@ class ResolvedSettings(Record):
     budget: int
     """Largest number of layouts to evaluate."""
     ideal: bool
-    """Whether the layout need only work exactly as drawn."""
+    """Whether every piece stands exactly at its placement, so that placement tolerances do not count."""
     robust: bool
     """Whether the worst case over the placement tolerances is minimized."""
     gap: Optional[float]
@@ -1911,8 +1915,8 @@ class RobotSheetDocument(Record):
     """Names of the solids of the links."""
     errors: Table[ErrorSetEntry]
     envelope: Optional[EnvelopeSize]
-    """Size of the working envelope; null for a redundant arm and for numeric inverse kinematics. The command
-    `sweetspot envelope` computes the envelope of such an arm.
+    """Size of the working envelope; null for a redundant arm and for an arm with numeric inverse kinematics. The
+    command `sweetspot envelope` computes the envelope of such an arm.
     """
 
     _nested = {
@@ -1937,7 +1941,7 @@ class RobotsDocument(Record):
 
 
 class RobustDocument(Record):
-    """Effect of misplaced equipment on the layout as drawn."""
+    """Effect of misplaced equipment on the layout of the cell file."""
 
     schema: Literal['sweetspot/robust/1']
     cell: str
@@ -1969,7 +1973,7 @@ class RobustnessEntry(Record):
     """Value of the operation without misplacement, in the unit of the objective."""
     tolerance: Dict[str, MoveEntry]
     """Half widths of the tolerance box of the robot base and the equipment on which the operation depends. Empty
-    if their placements have no tolerance.
+    if these placements have no tolerance.
     """
     corners: int
     """Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`."""
@@ -2015,7 +2019,7 @@ class RunnerUpEntry(Record):
     kind: Literal['layout', 'node']
     value: float
     """Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
-    operation moves to the node and all others keep their spots.
+    operation moves to the node and all other operations keep their spots.
     """
     text: str
     note: str
@@ -2034,9 +2038,9 @@ class RunningCombination(Record):
 
 
 class SearchResult(Record):
-    """Result of a search: the best layout found, the layout as drawn and the proven bound. Positions are in the
-    world frame, mm; angles are in degrees. The document is the same, byte for byte, for every number of
-    threads.
+    """Result of a search: the best layout found, the layout before the search and the proven bound. Positions
+    are in the world frame, mm; angles are in degrees. The document is the same, byte for byte, for every
+    number of threads.
     """
 
     schema: Literal['sweetspot/search/1']
@@ -2047,16 +2051,16 @@ class SearchResult(Record):
     """Objective of the best layout, in `unit`; null if no layout is feasible."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     gain_percent: Optional[float]
-    """Reduction of the objective from the layout as drawn to the best layout, percent."""
+    """Reduction of the objective from the layout before the search to the best layout, percent."""
     bound: Optional[float]
     """Proven lower bound of the objective of every layout, in `unit`."""
     gap_percent: Optional[float]
-    """Gap: how far the best layout lies above the bound, in percent of the bound."""
+    """Gap: excess of the objective of the best layout over the bound, in percent of the bound."""
     proof: ProofEntry
     evaluations: int
     """Number of layouts evaluated."""
     feasible: int
-    """Number of layouts evaluated that are feasible and keep every limit."""
+    """Number of evaluated layouts that are feasible and within every limit."""
     ended: Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']
     """Reason why the search ended."""
     cell: str
@@ -2073,7 +2077,7 @@ class SearchResult(Record):
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
     seed: int
-    """Seed of the random numbers; for several islands, the seed of the first one."""
+    """Seed of the random numbers; for several islands, the seed of the first island."""
     budget: int
     """Largest number of layouts to evaluate; for several islands, the largest number for each island."""
     robust: bool
@@ -2083,23 +2087,23 @@ class SearchResult(Record):
     keep: Optional[int]
     """Number of layouts to keep; null if the cell states none."""
     ideal: bool
-    """Whether the layout need only work exactly as drawn."""
+    """Whether every piece stands exactly at its placement, so that placement tolerances do not count."""
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
     certified: Any
     """Whether the best layout certainly works at every misplacement within its placement tolerances: true, or
-    the reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    the reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
     """
     least_value: Optional[float]
     """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
-    best layout is one whose equipment has much room to be displaced. Null if no layout is feasible and keeps
+    search chooses a layout whose equipment can be displaced far. Null if no layout is feasible and within
     every limit.
     """
     regions: Table[RegionEntry]
-    """Regions in which each piece that the search places may stand instead."""
+    """Regions in which each piece that the search places may also stand."""
     whole_cell: Optional[TurnEntry]
-    """Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
-    rotated.
+    """Rotation of all pieces together about the base axis. The rotation does not change the errors. Null if a
+    piece cannot be rotated.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2110,16 +2114,18 @@ class SearchResult(Record):
     attitudes: Dict[str, AttitudeEntry]
     operations: Table[SpotEntry]
     cell_yield: Optional[CellYieldEntry]
-    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    statistical, every operation has a spot, and at least one operation has a limit.
+    """Overall yield: share of sampled arms that stay within the limits of all operations. Present if the reading
+    is statistical, every operation has a spot, and at least one operation has a limit.
     """
     cycle_time: Optional[CycleTimeEntry]
     """Cycle time of the best layout; left out if that layout is not feasible."""
     start: StartEntry
     front: Optional[Table[AlternativeEntry]]
-    """Pareto front or shortlist of layouts; null if the search was not asked to keep layouts."""
+    """Pareto front or shortlist of layouts; null if the cell requests neither."""
     trace: List[List[float]]
-    """Improvements of the best layout: number of evaluations so far, and objective in `unit`."""
+    """Improvements of the best layout during the search: the number of evaluations so far, and the objective in
+    `unit`.
+    """
     islands: Optional[Table[IslandEntry]]
     """Searches with successive seeds that were merged into this result. Present for `search --islands`."""
     seconds: Optional[float]
@@ -2180,7 +2186,7 @@ class SenseRowEntry(Record):
 
     kind: Literal['position', 'rotation']
     direction_base: _Numbers
-    """Direction in the base frame; its length is the weight."""
+    """Direction in the base frame. The length of the vector is the weight."""
     value: float
 
     _nested = {
@@ -2211,7 +2217,9 @@ class ShareEntry(Record):
     parameter has its signed value, otherwise the upper limit of its tolerance.
     """
     alone: float
-    """Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0."""
+    """Linear error in the sense of the operation if this parameter is at its tolerance and all other parameters
+    are 0.
+    """
     share_of_worst: Optional[float]
     """Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances."""
     share_of_variance: Optional[float]
@@ -2246,7 +2254,7 @@ class SizeEntry(Record):
 
     volume_m3: float
     volume_error_m3: float
-    """Estimated error of the volume: its difference from the volume found with twice the step."""
+    """Estimated error of the volume: the difference from the volume that twice the step gives."""
     rotationally_symmetric: bool
     radius_mm: Optional[_Numbers]
     """Least and greatest distance from the vertical axis through the base; null if nothing is reached."""
@@ -2279,8 +2287,8 @@ class SlopeEntry(Record):
 
 
 class SpotEntry(Record):
-    """One operation of a layout: its spot and the errors there. Positions are in the world frame, mm; angles are
-    in degrees.
+    """One operation of a layout: its spot and the errors at the spot. Positions are in the world frame, mm;
+    angles are in degrees.
     """
 
     name: str
@@ -2305,7 +2313,7 @@ class SpotEntry(Record):
     refined: Optional[RefinedEntry]
     """Spot refined between the nodes of the grid."""
     robustness: Optional[RobustnessEntry]
-    """Effect of misplacement on the operation, if it was computed."""
+    """Effect of misplacement on the operation; null if the effect was not computed."""
     error_mm: Optional[_Numbers]
     error_sense_mm: Optional[float]
     error_sense_deg: Optional[float]
@@ -2370,7 +2378,7 @@ class SpreadEntry(Record):
 
 
 class StartEntry(Record):
-    """Layout as drawn, from which the search started."""
+    """Layout from which the search started."""
 
     objective_mm: Optional[float]
     objective_value: Optional[float]
@@ -2380,8 +2388,8 @@ class StartEntry(Record):
     attitudes: Dict[str, AttitudeEntry]
     operations: Table[SpotEntry]
     cell_yield: Optional[CellYieldEntry]
-    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    statistical, every operation has a spot, and at least one operation has a limit.
+    """Overall yield: share of sampled arms that stay within the limits of all operations. Present if the reading
+    is statistical, every operation has a spot, and at least one operation has a limit.
     """
     cycle_time: Optional[CycleTimeEntry]
     """Cycle time; left out if the layout is not feasible."""
@@ -2397,8 +2405,8 @@ class StartEntry(Record):
 
 
 class StatusCounts(Record):
-    """Numbers of nodes by status. Each of the last three fields is left out if no node has the status that it
-    counts.
+    """Numbers of nodes by status. Each of the last three fields is left out if no node has the status that the
+    field counts.
     """
 
     ok: int
@@ -2439,7 +2447,7 @@ class SweepPlan(Record):
     packages: List[List[Any]]
     """Name and folder of each ROS package that the option `--package` gives."""
     search: bool
-    """Whether a search runs for every combination; otherwise the layout as drawn is mapped."""
+    """Whether a search runs for every combination. If false, the layout of the cell file is mapped."""
     sets: Table[Choices]
     island_flags: Optional[Table[Setting]]
     """Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep."""
@@ -2530,8 +2538,8 @@ class SweepStatus(Record):
     running: Table[RunningCombination]
     failed: Table[FailedCombination]
     seconds_left: Optional[float]
-    """Estimated time until the last combination is done, if the workers that run now go on. Null if no worker
-    runs, or if none has finished a combination yet.
+    """Estimated time until the last combination is done, if the running workers continue. Null if no worker is
+    running, or if no worker has finished a combination.
     """
     hosts: Table[HostWork]
     """Work that each host has done. Only workers of `sweep --claim` leave this information."""
@@ -2602,7 +2610,7 @@ class TestPoseEntry(Record):
 
 
 class TestedFile(Record):
-    """File of measured positions outside the fit."""
+    """File of measured positions that was not part of the fit."""
 
     file: str
     poses: int
@@ -2625,8 +2633,8 @@ class TestedFile(Record):
 
 class TightenEntry(Record):
     """Gain from halving the tolerances of the parameters in `halved`. In the statistical reading, `of` and `to`
-    are the first-order quantity before and after the halving. In any other reading, they are the worst case
-    before and after the halving.
+    are the first-order quantity before and after the halving. In any other reading, `of` and `to` are the
+    worst case before and after the halving.
     """
 
     halved: List[str]
@@ -2687,7 +2695,7 @@ class TriedEntry(Record):
     candidates: int
     """Number of postures among which the plan chose."""
     colliding: int
-    """Number of postures at which the robot touches something or comes nearer to it than the clearance."""
+    """Number of postures at which the robot touches an object or is nearer to an object than the clearance."""
     hidden: int
     """Number of other postures at which the tracker does not see the reflector."""
 
@@ -2706,12 +2714,12 @@ class TurnEntry(Record):
 
 
 class UniformEntry(Record):
-    """One common scale of all tolerances that keeps the limits."""
+    """One common scale of all tolerances that meets the limits."""
 
     scale: float
     cost: float
     saving_percent: float
-    """How much less the cheapest tolerances cost, percent."""
+    """Saving of the cheapest tolerances compared with the uniform tightening, percent."""
 
 
 class UrdfEntry(Record):
@@ -2755,7 +2763,7 @@ class VerdictDocument(Record):
     headline: str
     feasible: bool
     ended: Optional[Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']]
-    """Reason why the search ended; null for a layout as drawn."""
+    """Reason why the search ended; null if no search ran."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
     """Name of the figure that the search minimizes."""
@@ -2769,8 +2777,8 @@ class VerdictDocument(Record):
     runner_up: Optional[RunnerUpEntry]
     facts: Table[FactEntry]
     cell_yield: Optional[CellYieldEntry]
-    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
-    statistical, every operation has a spot, and at least one operation has a limit.
+    """Overall yield: share of sampled arms that stay within the limits of all operations. Present if the reading
+    is statistical, every operation has a spot, and at least one operation has a limit.
     """
     placements: Table[VerdictPlacement]
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
@@ -2791,7 +2799,9 @@ class VerdictDocument(Record):
 
 
 class VerdictPlacement(Record):
-    """Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate it."""
+    """Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate the
+    piece.
+    """
 
     equipment: str
     at: PlacementEntry

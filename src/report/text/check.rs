@@ -54,7 +54,7 @@ pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let alone: Vec<String> = alone.collect();
     let what = if alone.len() > 1 { "the limits of all operations" } else { "the limit" };
     let each = if alone.len() > 1 { format!("; each alone: {}", alone.join(", ")) } else { String::new() };
-    Some(format!("share of {samples} sampled arms that keep {what} {}{each}", interval(&together)))
+    Some(format!("share of {samples} sampled arms that stay within {what} {}{each}", interval(&together)))
 }
 
 /// Returns a share as percent, with its 95 % confidence interval.

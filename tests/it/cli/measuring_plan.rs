@@ -89,7 +89,11 @@ fn a_plan_that_cannot_be_is_refused_in_words() {
     let series = root().join("tests/data/ipa_ur10/D.csv.gz").to_string_lossy().into_owned();
     refused(&["ur10", &series, "--choose", "700"], 2, &["632 rows, fewer than 700"]);
     refused(&["ur10", &series, "--choose", "5"], 2, &["at least"]);
-    refused(&["ur10", &series, "--choose", "40", "--for", "cells/scara_cell.toml"], 2, &["number of joints"]);
+    refused(
+        &["ur10", &series, "--choose", "40", "--for", "cells/scara_cell.toml"],
+        2,
+        &["numbers of joints"],
+    );
 }
 
 #[test]

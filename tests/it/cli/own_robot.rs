@@ -246,7 +246,7 @@ fn the_tool_can_be_named() {
     assert!(slip.code == Some(2) && slip.err.contains("did you mean `flange`?"), "{}", slip.err);
     assert!(!shop.path("slip").exists());
     let other = shop.run(&["init", "scara", "--tip", "flange"]);
-    assert!(other.code == Some(2) && other.err.contains("for a URDF"), "{}", other.err);
+    assert!(other.code == Some(2) && other.err.contains("only to a URDF"), "{}", other.err);
 }
 
 #[test]

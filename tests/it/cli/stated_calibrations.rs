@@ -252,7 +252,7 @@ fn wrong_calibrations_are_refused_with_their_place() {
     shop.write("nominal.urdf", &nominal);
     refused(&["ur10", "a.urdf"], "a.urdf", &nominal, &["was not read from a URDF"]);
     let other = nominal.replace("forearm_joint", "elbow_joint");
-    refused(&["nominal.urdf", "b.urdf"], "b.urdf", &other, &["other joints"]);
+    refused(&["nominal.urdf", "b.urdf"], "b.urdf", &other, &["the joints of its chain differ"]);
     let other = nominal.replacen("0 0 1\"/><limit", "0 1 0\"/><limit", 1);
     refused(&["nominal.urdf", "c.urdf"], "c.urdf", &other, &["axis of joint shoulder_joint"]);
     refused(&["nominal.urdf", "d.urdf"], "d.urdf", "<robot", &["d.urdf"]);
