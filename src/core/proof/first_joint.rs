@@ -15,7 +15,7 @@
 //! isotropy times the contribution of an isotropic error with the variance `v / 2`.
 
 use super::coordinates::DIRECTION_ROUNDING;
-use crate::cell::{Reading, Row};
+use crate::cell::{Quantity, Reading, Row};
 use crate::kinematic_error::{ScrewMotion, Screws};
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{Matrix2, Matrix3, Vector3};
@@ -52,13 +52,14 @@ impl FirstJoint {
         let list = &evaluator.sources.list;
         let acts_across = |m: &ScrewMotion| m.link == 0 && !is_of_first_axis(m, screws);
         let across: Vec<ScrewMotion> = motions.iter().copied().filter(acts_across).collect();
-        let is_statistical = evaluator.reading == Reading::Statistical;
+        // The square of the mean is not convex in the covariance.
+        let is_convex = evaluator.reading == Reading::Statistical && evaluator.quantity != Quantity::Mean;
         let leaves_out =
             evaluator.reading == Reading::WorstCase && screws.kinds.len() > MAX_JOINTS_OF_WORST_CASE;
         let can_replace = |m: &ScrewMotion| {
             let arm = (m.through - screws.points[0]).xy().norm();
             let is_alone = motions.iter().filter(|other| other.source == m.source).count() == 1;
-            is_statistical
+            is_convex
                 && is_alone
                 && list[m.source].spread.is_some()
                 && m.axis.z.abs() < DIRECTION_ROUNDING

@@ -10,13 +10,15 @@
 //! `<A, S>` with a positive semidefinite matrix A (see `value_bound`). Let `a_1 >= a_2` be the eigenvalues of
 //! A across the tool axis. Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about
 //! the axis (J. von Neumann's trace inequality).
+//! This holds only if the square of the statistic is convex in the covariance. The mean is not such a
+//! statistic, so a bound of the mean keeps the coordinate.
 //!
 //! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. In the direction d, these
 //! errors reach `sum_k w_k |d . R g_k|`. As a function of the angle of R, this sum is concave between the
 //! zeros of its terms, so it is least at one of these zeros.
 
 use super::coordinates::DIRECTION_ROUNDING;
-use crate::cell::{JointKind, Reading, Row};
+use crate::cell::{JointKind, Quantity, Reading, Row};
 use crate::kinematic_error::{ScrewMotion, Screws};
 use crate::reading::ErrorEvaluator;
 use crate::robot::Chain;
@@ -82,6 +84,8 @@ impl LastJoint {
         let size = |source: usize| match evaluator.reading {
             Reading::Signed => None,
             Reading::WorstCase => Some(sources.list[source].plus_minus),
+            // The square of the mean is not convex in the covariance.
+            Reading::Statistical if evaluator.quantity == Quantity::Mean => None,
             // A correlated error cannot be taken alone.
             Reading::Statistical => {
                 sources.list[source].spread.is_some().then_some(sources.list[source].deviation)
