@@ -23,6 +23,7 @@
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `first_joint`, `last_joint` | joints without a coordinate, and the errors that rotate about their axes |
+//! | `base_rows` | the sense in the base frame |
 //! | `task` | one operation, prepared for bounding |
 //! | `node_radii` | operations that happen at every node |
 //! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
@@ -31,6 +32,7 @@
 //! operations. A weighted sum of values is at least the weighted sum of their bounds. A weighted maximum of
 //! values is at least the largest weighted bound. An operation without a bound counts as 0.
 
+mod base_rows;
 mod branch_and_bound;
 mod coordinates;
 mod first_joint;

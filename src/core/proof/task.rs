@@ -2,6 +2,7 @@
 //! constraints.
 
 use super::WhyNot;
+use super::base_rows::{base_rows, grams, turns_with_z};
 use super::coordinates::{Coordinates, DIRECTION_ROUNDING, middle};
 use super::first_joint::FirstJoint;
 use super::last_joint::{LastJoint, ToolAxisRange};
@@ -10,7 +11,7 @@ use super::nonlinear_error::ChainDifference;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use super::value_bound::{EffectSum, ValueSum};
-use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row, Unit};
+use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row, Unit};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
@@ -76,7 +77,7 @@ impl<'a> Task<'a> {
         if cell.unit() == Unit::Cost {
             return Err(WhyNot::Cost);
         }
-        let rows = rows(cell, evaluator, region.operation)?;
+        let rows = base_rows(cell, evaluator, region.operation)?;
         let sample = evaluator.reading == Reading::Signed && evaluator.model != Model::Linear;
         let is_corner = evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear;
         if is_corner && evaluator.has_mean() {
@@ -380,60 +381,4 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
         return Err(WhyNot::EquipmentErrors);
     }
     Ok(())
-}
-
-/// Returns the rows (weighted components) of the sense, with directions in the base frame.
-///
-/// # Errors
-/// Returns the reason if these directions depend on the layout.
-fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
-    let sense = &evaluator.sense;
-    let turned = |by: &Matrix3<f64>| -> Vec<Row> {
-        sense.rows().iter().map(|row| Row { direction: by * row.direction, ..*row }).collect()
-    };
-    let world = turned(&cell.start().base.from_world());
-    let turned_base = cell.base[3].is_free();
-    match sense.frame {
-        Frame::World if !turned_base || turns_with_z(&world) => Ok(world),
-        Frame::World => Err(WhyNot::WorldAxes),
-        _ if is_isotropic(&world) => Ok(world),
-        Frame::Tool => Err(WhyNot::ToolAxes),
-        Frame::Surface if turns_with_z(&world) => Ok(world),
-        Frame::Surface => {
-            let equipment = cell.operations[operation].equipment;
-            let under = (0..cell.equipment.len()).filter(|&under| cell.rides_on(equipment, under));
-            if turned_base || under.clone().any(|k| cell.equipment[k].placement[3].is_free()) {
-                return Err(WhyNot::SurfaceAxes);
-            }
-            let start = cell.start();
-            let (s, c) = (start.placements[equipment].yaw - start.base.yaw).sin_cos();
-            Ok(turned(&Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)))
-        }
-    }
-}
-
-/// Returns `sum r r^T` over the directions r of the position rows, and the same sum over the rotation rows.
-fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
-    let gram = |turns: bool| {
-        rows.iter()
-            .filter(|r| r.turns == turns)
-            .map(|r| r.direction * r.direction.transpose())
-            .sum::<Matrix3<f64>>()
-    };
-    [gram(false), gram(true)]
-}
-
-/// Returns whether a rotation of an error about z never changes the root sum square of its components along
-/// `rows`.
-fn turns_with_z(rows: &[Row]) -> bool {
-    grams(rows).iter().all(|g| {
-        let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
-        off <= DIRECTION_ROUNDING * g.trace()
-    })
-}
-
-/// Returns whether a rotation of an error never changes the root sum square of its components along `rows`.
-fn is_isotropic(rows: &[Row]) -> bool {
-    turns_with_z(rows)
-        && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
 }
