@@ -64,7 +64,8 @@ pub enum Command {
     Map(MapArguments),
     /// Search for the layout and the operation spots of least error
     #[command(
-        before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
+        before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try",
+        mut_arg("sets", |sets| sets.hide(true)) // the command refuses it, and says what to do
     )]
     Search(SearchArguments),
     /// Search or map a cell for every combination of given key values
@@ -118,7 +119,10 @@ pub enum Command {
     #[command(before_help = "Example: sweetspot report results/hitachi_cell-001 -o report.html")]
     Report(ReportArguments),
     /// Edit a layout in the browser and see its error at once; the page is served to this machine only
-    #[command(before_help = "Example: sweetspot view cells/hitachi_cell.toml --open")]
+    #[command(
+        before_help = "Example: sweetspot view cells/hitachi_cell.toml --open",
+        mut_arg("sets", |sets| sets.hide(true)) // the command refuses it, and says what to do
+    )]
     View(ViewArguments),
     /// Print the JSON Schema of a file kind, or write all schemas for editors
     #[command(before_help = "Example: sweetspot schema --out schemas")]
