@@ -210,13 +210,16 @@ fn hostile_texts_are_refused_quickly() {
     ];
     for text in texts {
         let what: String = text.chars().take(40).collect();
-        let start = std::time::Instant::now();
-        let result = load_text(&text);
-        // The check of the faults below takes longer than the reading.
-        let seconds = start.elapsed().as_secs_f64();
+        // Other tests may slow one reading down, so only three slow readings in a row are a fault.
+        // The check of the faults takes longer than a reading, so it is not timed.
+        let read = || {
+            let start = std::time::Instant::now();
+            let result = load_text(&text);
+            (start.elapsed().as_secs_f64() < 5.0).then_some(result)
+        };
+        let result = (0..3).find_map(|_| read()).unwrap_or_else(|| panic!("{what}: over 5 s three times"));
         assert!(result.is_err(), "{what}");
         check(result, &BTreeMap::from([("cell.toml".to_string(), text)]), &what);
-        assert!(seconds < 5.0, "{what}: {seconds} s");
     }
 }
 
