@@ -294,6 +294,52 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     }
 }
 
+/// Errors of the joint frames and of the tool. If the tool errors are isotropic about the tool axis, all spins
+/// of a family have one value. In form 2 they are not, and in form 3 a joint frame is not isotropic either.
+#[test]
+fn isotropic_tool_errors_do_not_change_the_layouts() {
+    let mut rng = ChaCha8Rng::seed_from_u64(27);
+    let mut counts = [0; 3];
+    for (name, layouts) in [("ur_cell.toml", 20), ("wrist_cell.toml", 8), ("scara_cell.toml", 20)] {
+        for form in 0..4 {
+            let mut cell = shipped(name);
+            cell.search.ideal = form != 1;
+            let axes = cell.robot.axes();
+            let mut size = || rng.random_range(0.5e-4..3e-4);
+            let [slide, along, turn, twist] = [size(), size(), size(), size()];
+            let value = |p: Parameter| match p {
+                Parameter::Joint(joint, component) if component < 3 && (form, joint) == (3, 1) => {
+                    slide * (1.0 + component as f64)
+                }
+                Parameter::Joint(_, component) if component < 3 => slide,
+                Parameter::Joint(_, 5) => twist,
+                Parameter::Joint(..) => turn,
+                Parameter::Tool(2) if form == 1 => along,
+                Parameter::Tool(component) if form >= 2 => along * (1.0 + component as f64),
+                Parameter::Tool(_) => slide,
+                _ => 0.0,
+            };
+            let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+            let sample = SignedErrors::of_values("frames".into(), axes, &values);
+            cell.robot.errors = vec![ErrorSet::Tolerance(ErrorSet::Signed(sample).tolerance())];
+            (cell.errors, cell.reading) = (0, Reading::Statistical);
+            cell.quantity = [Quantity::P95, Quantity::Rms, Quantity::P99, Quantity::Mean][form];
+            cell.model = [Model::Nonlinear, Model::Linear][form % 2];
+            for (k, operation) in cell.operations.iter_mut().enumerate() {
+                operation.sense = Sense::plain(["xyz", "xy"][k % 2]).unwrap();
+                if (form + k).is_multiple_of(2) {
+                    operation.over = NodeAggregation::Max;
+                }
+            }
+            let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {form}") };
+            for _ in 0..layouts / 2 {
+                counts = sum(counts, pair.compare(&near_start(&cell, &mut rng)));
+            }
+        }
+    }
+    assert!(counts.iter().all(|c| *c > 10), "{counts:?}");
+}
+
 /// A worst case has bounds at every posture. An operation at every node needs the best posture of each node.
 #[test]
 fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {

@@ -235,7 +235,7 @@ impl ValueBound {
         let Some(whitening) = inverse_root(&drawn, rows) else { return f64::INFINITY };
         let mut growth: f64 = 1.0;
         corners(chain, boxed, |frames| {
-            let (there, ..) = evaluator.covariance(boxed.context, frames, memory);
+            let there = evaluator.covariance_alone(boxed.context, frames, memory);
             let seen = whitening * there * whitening.transpose();
             growth = growth.max(seen.symmetric_eigenvalues().max());
         });

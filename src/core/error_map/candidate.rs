@@ -18,6 +18,9 @@ pub struct PostureCandidate {
     pub target: Vector3<f64>,
     pub contact: ArmContact,
     pub certainty: Certainty,
+    /// Index of the first member of its spin family in [`super::workspace::PostureMemory::firsts`]; None if
+    /// the inverse kinematics must be solved again.
+    pub first: Option<usize>,
 }
 
 /// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.

@@ -10,7 +10,7 @@ use crate::cell::{JointVector, MAX_JOINTS};
 use crate::certificate::{BoxedPosture, JointEnclosure, NotCertified, PostureMotion, TargetBox};
 use crate::clearance::{Load, SolidMotion};
 use crate::motion::{DEVIATION, Hindrance, PathSlack, Stopped, first_hit};
-use crate::reach::ToolTask;
+use crate::reach::{Branch, ToolTask};
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
@@ -38,7 +38,7 @@ impl OperationQuery<'_> {
     pub(super) fn certify(
         &self,
         target: &Vector3<f64>,
-        branch: u64,
+        branch: Option<Branch>,
         demand: &Demand<'_>,
         memory: &mut PostureMemory,
     ) -> Result<Option<f64>, NotCertified> {
@@ -65,7 +65,7 @@ impl OperationQuery<'_> {
     pub fn uncertainty(
         &self,
         target: &Vector3<f64>,
-        branch: u64,
+        branch: Option<Branch>,
         memory: &mut PostureMemory,
     ) -> Option<NotCertified> {
         let demand = Demand { value: None, ..self.placed.demand? };
@@ -76,12 +76,12 @@ impl OperationQuery<'_> {
     fn nominal(
         &self,
         target: &Vector3<f64>,
-        branch: u64,
+        branch: Option<Branch>,
         demand: &Demand<'_>,
     ) -> Result<Nominal, NotCertified> {
         let arm = &self.placed.mapper.arm;
         let target = *target;
-        let found = self.branch_at(&target, branch).ok_or(NotCertified::NoTask)?;
+        let found = branch.ok_or(NotCertified::NoTask)?;
         let (posture, joints) = (found.posture, found.joints);
         let frames = arm.chain.frames(&posture);
         let task = arm.inverse.tool_task(&self.attitudes, &frames).ok_or(NotCertified::NoTask)?;
@@ -246,7 +246,7 @@ impl PlacedLayout<'_> {
         let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let target = query.setup.grid.target(&query.at, spot.node);
         let memory = workspace.of(self.mapper, operation).postures;
-        let found = query.certify(&target, spot.branch, demand, memory);
+        let found = query.certify(&target, query.branch_at(&target, spot.branch), demand, memory);
         workspace.attitudes = query.attitudes;
         found
     }
@@ -277,7 +277,8 @@ impl PlacedLayout<'_> {
                 let query = OperationQuery::new(self, operation, spots);
                 let spot = spots[operation].ok_or(NotCertified::NoTask)?;
                 let target = query.setup.grid.target(&query.at, spot.node);
-                let nominal = query.nominal(&target, spot.branch, demand)?;
+                let branch = query.branch_at(&target, spot.branch);
+                let nominal = query.nominal(&target, branch, demand)?;
                 let found = query.deviations(&nominal, knots, false)?;
                 deviations.extend(found.iter().map(|found| found.half));
             }

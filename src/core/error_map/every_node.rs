@@ -155,6 +155,7 @@ impl OperationQuery<'_> {
         let WalkMemory { candidates, families, postures, .. } = memory;
         candidates.clear();
         families.clear();
+        postures.firsts.clear();
         let missed = if has_families {
             let mut others = NodeCandidates::<false> { candidates, missed: None };
             self.visit_families(node, target, postures, families, &mut others);

@@ -13,7 +13,9 @@ pub struct SpinFamily {
     pub bound: f64,
     pub node: usize,
     /// Branch index of the first member of the family, or of the single member.
-    pub first: u64,
+    pub branch: u64,
+    /// Index of the first member in [`super::workspace::PostureMemory::firsts`].
+    pub first: usize,
     /// Known contacts of a single member, and the kind of its bound; None for a whole family.
     pub member: Option<(ArmContact, Certainty)>,
     /// Target position of the TCP, in the base frame, m.
@@ -33,7 +35,7 @@ impl PartialOrd for SpinFamily {
 }
 impl Ord for SpinFamily {
     fn cmp(&self, other: &Self) -> Ordering {
-        let key = |f: &Self| (f.node, f.first);
+        let key = |f: &Self| (f.node, f.branch);
         other.bound.total_cmp(&self.bound).then_with(|| key(other).cmp(&key(self)))
     }
 }

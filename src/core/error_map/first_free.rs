@@ -9,7 +9,8 @@ use super::workspace::PostureMemory;
 use crate::certificate::NotCertified;
 use crate::clearance::ArmPart;
 use crate::motion::PostureRefusal;
-use crate::reach::Cost;
+use crate::reach::{Branch, Cost};
+use crate::robot::Posture;
 use nalgebra::Vector3;
 
 /// Returns the number of candidates that may fail to be certified before the operation counts as not
@@ -69,11 +70,12 @@ impl OperationQuery<'_> {
             if !self.is_free(&candidate, memory) {
                 continue;
             }
-            if let Some(refusal) = self.refusal(&target, spot.branch) {
+            let branch = self.branch_to_check(&candidate, memory);
+            if let Some(refusal) = self.refusal(branch.as_ref()) {
                 found.refused = found.refused.or(Some((spot, refusal)));
                 continue;
             }
-            let Some(why) = self.uncertainty(&target, spot.branch, memory) else {
+            let Some(why) = self.uncertainty(&target, branch, memory) else {
                 found.free = Some(candidate);
                 break;
             };
@@ -89,23 +91,50 @@ impl OperationQuery<'_> {
     /// Returns whether a candidate is collision-free, allowed by the motion rules and, if demanded,
     /// certified.
     pub fn is_usable(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
-        let PostureCandidate { spot, target, .. } = candidate;
-        self.is_free(candidate, memory)
-            && self.refusal(target, spot.branch).is_none()
-            && self.uncertainty(target, spot.branch, memory).is_none()
+        if !self.is_free(candidate, memory) {
+            return false;
+        }
+        let branch = self.branch_to_check(candidate, memory);
+        self.refusal(branch.as_ref()).is_none()
+            && self.uncertainty(&candidate.target, branch, memory).is_none()
+    }
+
+    /// Returns the posture of a candidate; None if the branch does not exist.
+    fn posture(&self, candidate: &PostureCandidate, memory: &PostureMemory) -> Option<Posture> {
+        let PostureCandidate { spot, target, first, .. } = candidate;
+        let inverse = &self.placed.mapper.arm.inverse;
+        match first {
+            Some(first) => inverse.member(target, &self.attitudes, spot.branch, &memory.firsts[*first]),
+            None => inverse.posture(target, &self.attitudes, spot.branch),
+        }
+    }
+
+    /// Returns the branch of a candidate if the motion rules or a certificate need it; otherwise None.
+    fn branch_to_check(&self, candidate: &PostureCandidate, memory: &PostureMemory) -> Option<Branch> {
+        let PostureCandidate { spot, target, first, .. } = candidate;
+        if !self.asks_postures() && self.placed.demand.is_none() {
+            return None;
+        }
+        let inverse = &self.placed.mapper.arm.inverse;
+        match first {
+            Some(first) => {
+                let posture = inverse.member(target, &self.attitudes, spot.branch, &memory.firsts[*first])?;
+                Some(inverse.branch(spot.branch, &posture, target, &self.attitudes))
+            }
+            None => self.branch_at(target, spot.branch),
+        }
     }
 
     /// Returns whether the posture of a candidate is collision-free.
     pub(super) fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
-        let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let part = match candidate.contact {
             ArmContact::Unknown => ArmPart::Whole,
             ArmContact::OnlyBehindLastJoint => ArmPart::BehindLastJoint,
             ArmContact::BeforeLastJoint => return false,
         };
-        let posture = mapper.arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch);
-        posture.is_some_and(|posture| {
+        self.posture(candidate, memory).is_some_and(|posture| {
+            let PostureMemory { frames, contacts, .. } = memory;
             mapper.arm.chain.place(&posture, frames);
             mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts)
         })
@@ -113,11 +142,16 @@ impl OperationQuery<'_> {
 
     /// Returns the reason why the motion rules refuse a collision-free posture; None if they allow the
     /// posture.
-    fn refusal(&self, target: &Vector3<f64>, branch: u64) -> Option<PostureRefusal> {
+    fn refusal(&self, branch: Option<&Branch>) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
-        let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
-        let joints = self.branch_at(target, branch)?.joints;
-        guard.admits(&mapper.scene, solids, self.operation, &joints).err()
+        let guard = mapper.guard.as_ref().filter(|_| self.asks_postures())?;
+        guard.admits(&mapper.scene, solids, self.operation, &branch?.joints).err()
+    }
+
+    /// Returns whether the motion rules check the postures of the operation.
+    fn asks_postures(&self) -> bool {
+        let guard = self.placed.mapper.guard.as_ref();
+        guard.is_some_and(|guard| guard.asks_postures(self.operation))
     }
 
     /// Returns the reason why a posture within the joint limits cannot be used; None if the posture can be
@@ -133,7 +167,10 @@ impl OperationQuery<'_> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let hit = mapper.scene.hit(solids, &memory.frames.links, Some(self.operation));
         let collision = hit.map(|hit| Status::Collision { hit });
-        collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
+        collision.or_else(|| {
+            let branch = self.asks_postures().then(|| self.branch_at(target, branch)).flatten();
+            self.refusal(branch.as_ref()).map(Status::Refused)
+        })
     }
 
     /// Returns the reason why no candidate of one target can be used. If there are candidates, the reason

@@ -71,6 +71,7 @@ impl PlacedLayout<'_> {
                     target,
                     contact: ArmContact::Unknown,
                     certainty: Certainty::Value,
+                    first: None,
                 };
                 node.posture = query.record(context, &candidate, &mut memory);
             }

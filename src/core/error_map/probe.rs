@@ -144,6 +144,7 @@ impl<'a> Probe<'a> {
         let Some(demand) = self.query.placed.demand else { return Ok(None) };
         self.query.kept = Some(*held);
         let (target, branch) = (self.target(held.at), held.branch_elsewhere(self.inverse()));
+        let branch = self.query.branch_at(&target, branch);
         self.query.certify(&target, branch, &Demand { value, ..demand }, self.memory.postures)
     }
 

@@ -28,6 +28,7 @@ impl OperationQuery<'_> {
         let WalkMemory { candidates, families, postures, .. } = memory;
         candidates.clear();
         families.clear();
+        postures.firsts.clear();
         self.setup.grid.targets(&self.at, |node, target| {
             self.visit_families(node, target, postures, families, *candidates);
         });
@@ -71,13 +72,14 @@ impl OperationQuery<'_> {
         let Some(context) = self.context.as_ref().ok().filter(|context| !context.touches(&target)) else {
             return;
         };
-        let PostureMemory { scratch, frames, posture, .. } = memory;
+        let PostureMemory { scratch, frames, posture, firsts, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
         let spins = self.attitudes.spin_rotations();
-        let is_reached = arm.inverse.visit_families(&target, &self.attitudes, posture, |first, posture| {
+        let is_reached = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
             arm.chain.place(posture, frames);
             let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
-            families.push(SpinFamily { bound, node, first, member: None, target });
+            families.push(SpinFamily { bound, node, branch, first: firsts.len(), member: None, target });
+            firsts.push(*posture);
         });
         if !is_reached {
             families.truncate(count);
@@ -93,15 +95,17 @@ impl OperationQuery<'_> {
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
-        let SpinFamily { node, first, target, .. } = *family;
-        let PostureMemory { scratch, frames, posture, contacts, .. } = memory;
+        let SpinFamily { node, branch, first, target, .. } = *family;
+        let PostureMemory { scratch, frames, posture, contacts, firsts, .. } = memory;
         let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
         let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
         if let Some((contact, certainty)) = family.member {
             if is_useless(contact) {
                 return;
             }
-            let Some(posture) = inverse.posture(&target, &self.attitudes, first) else { return };
+            let Some(posture) = inverse.member(&target, &self.attitudes, branch, &firsts[first]) else {
+                return;
+            };
             chain.place(&posture, frames);
             if certainty == Certainty::RoughBound && evaluator.has_sharp_worst_bound() {
                 let bound = evaluator.corner_worst(context, frames, &mut scratch.evaluator).max(family.bound);
@@ -110,12 +114,19 @@ impl OperationQuery<'_> {
                 return;
             }
             let value = evaluator.value(context, frames, &mut scratch.evaluator);
-            let spot = Spot { node, branch: first, value };
-            queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
+            let spot = Spot { node, branch, value };
+            queue.judged.push(PostureCandidate {
+                spot,
+                target,
+                contact,
+                certainty: Certainty::Value,
+                first: Some(first),
+            });
             return;
         }
-        let mut known = None;
-        inverse.members(&target, &self.attitudes, posture, first, |branch, posture| {
+        let (mut known, mut before) = (None, None);
+        let family = (branch, &firsts[first]);
+        inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
             if known.is_some_and(is_useless) {
                 return;
             }
@@ -130,15 +141,25 @@ impl OperationQuery<'_> {
             if is_useless(contact) {
                 return;
             }
-            if evaluator.has_dear_spin_bound() {
-                let spot =
-                    Spot { node, branch, value: evaluator.value(context, frames, &mut scratch.evaluator) };
-                queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
+            if evaluator.has_dear_spin_bound() || evaluator.has_one_value_over_spins() {
+                let value = match before {
+                    Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
+                    _ => evaluator.value(context, frames, &mut scratch.evaluator),
+                };
+                before = evaluator.ignores_spin().then_some((*frames, value));
+                let spot = Spot { node, branch, value };
+                queue.judged.push(PostureCandidate {
+                    spot,
+                    target,
+                    contact,
+                    certainty: Certainty::Value,
+                    first: Some(first),
+                });
             } else {
                 let bound =
                     evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);
                 let member = Some((contact, Certainty::RoughBound));
-                queue.families.push(SpinFamily { bound, node, first: branch, member, target });
+                queue.families.push(SpinFamily { bound, node, branch, first, member, target });
             }
         });
     }

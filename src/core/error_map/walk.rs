@@ -130,7 +130,7 @@ impl<'a> OperationQuery<'a> {
                 };
                 before = self.setup.evaluator.ignores_spin().then_some((*frames, value));
                 let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
-                visitor.candidate(PostureCandidate { spot, target, contact, certainty });
+                visitor.candidate(PostureCandidate { spot, target, contact, certainty, first: None });
             }
         });
         let missed = (!reached).then_some(gap);
@@ -161,7 +161,7 @@ impl<'a> OperationQuery<'a> {
 
     /// Returns whether two postures have the same frames, bit for bit, except for the rotation of the tool.
     #[inline]
-    fn differs_in_spin(&self, a: &Frames, b: &Frames) -> bool {
+    pub(super) fn differs_in_spin(&self, a: &Frames, b: &Frames) -> bool {
         let last = self.placed.mapper.arm.chain.axes();
         a.links[..last] == b.links[..last] && a.tcp.translation == b.tcp.translation
     }

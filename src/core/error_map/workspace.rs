@@ -30,6 +30,8 @@ pub struct PostureMemory {
     pub contacts: ContactMemory,
     /// Buffer into which the inverse kinematics writes a posture.
     pub posture: Posture,
+    /// First members of the spin families found so far ([`super::candidate::PostureCandidate::first`]).
+    pub firsts: Vec<Posture>,
 }
 
 impl PostureMemory {
@@ -43,6 +45,7 @@ impl PostureMemory {
             frames: Frames::default(),
             contacts: ContactMemory::default(),
             posture: mapper.inverse().scratch(),
+            firsts: Vec::new(),
         }
     }
 }

@@ -131,6 +131,11 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
+/// Returns the joint whose frame a motion of the joint frames moves; `k` is the index among these motions.
+fn frame_of(k: usize) -> usize {
+    k / PER_FRAME
+}
+
 /// Largest number of small motions of a chain, reached by a chain with [`MAX_JOINTS`] joints.
 const MAX_MOTIONS: usize = Parameter::first_elastic(MAX_JOINTS);
 
@@ -195,11 +200,20 @@ impl Expansion {
 
     /// Updates the derivatives for another posture, given by its `frames`.
     pub fn set(&mut self, frames: &Frames) {
-        for &k in &self.wanted {
-            self.terms[k] = match k.checked_sub(Parameter::first_joint(self.axes)) {
-                None => MotionTerm::of(frames, self.axes, k),
-                Some(k) => MotionTerm::of_joint(frames, &self.joint_frames, k),
-            };
+        let first_joint = Parameter::first_joint(self.axes);
+        let joints = self.wanted.partition_point(|&k| k < first_joint);
+        for &k in &self.wanted[..joints] {
+            self.terms[k] = MotionTerm::of(frames, self.axes, k);
+        }
+        for motions in
+            self.wanted[joints..].chunk_by(|a, b| frame_of(a - first_joint) == frame_of(b - first_joint))
+        {
+            let joint = frame_of(motions[0] - first_joint);
+            let frame = frames.links[joint] * self.joint_frames[joint];
+            for &k in motions {
+                let component = (k - first_joint) % PER_FRAME;
+                self.terms[k] = MotionTerm::about(frames, &frame, component % 3, component >= 3);
+            }
         }
         for (parameter, (_, size)) in &mut self.elastic {
             *size = deflection(frames, &self.loads, &self.periodic, *parameter).map_or(0.0, |(_, size)| size);
@@ -208,6 +222,9 @@ impl Expansion {
 
     /// Returns the first derivative of the TCP pose with respect to a parameter.
     pub fn first(&self, parameter: usize) -> Displacement {
+        if self.is_motion(parameter) {
+            return Displacement { position: self.terms[parameter].g, rotation: self.terms[parameter].w };
+        }
         self.motions(parameter).fold(Displacement::NONE, |sum, (k, size)| {
             sum + Displacement { position: self.terms[k].g, rotation: self.terms[k].w } * size
         })
@@ -217,6 +234,10 @@ impl Expansion {
     /// parameters `a` and `b`.
     pub fn second(&self, a: usize, b: usize) -> Displacement {
         let mut sum = Displacement::NONE;
+        if a == b && self.is_motion(a) {
+            let MotionTerm { g, w } = &self.terms[a];
+            return Displacement { position: w.cross(g), ..sum };
+        }
         for (j, size_j) in self.motions(a) {
             for (k, size_k) in self.motions(b) {
                 let (j, k) = if self.place(j) <= self.place(k) { (j, k) } else { (k, j) };
@@ -226,6 +247,13 @@ impl Expansion {
             }
         }
         sum
+    }
+
+    /// Returns whether one unit of a parameter causes one unit of the motion with the same index, and no
+    /// other motion.
+    fn is_motion(&self, parameter: usize) -> bool {
+        let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
+        !is_actuator && parameter < Parameter::first_elastic(self.axes)
     }
 
     /// Returns the effect of the motion with index `k` at the posture of the last [`Self::set`].

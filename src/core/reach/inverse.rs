@@ -308,7 +308,8 @@ impl Inverse {
         }
     }
 
-    fn branch(
+    /// Returns the branch with index `index` whose posture is known, unless the solver is numeric.
+    pub fn branch(
         &self,
         index: u64,
         posture: &Posture,

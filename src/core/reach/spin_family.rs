@@ -3,8 +3,7 @@
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates within
 //! a family. Every quantity that depends only on these joints is computed once per family.
 
-use super::branch::{attitude_of, sample_of, with_attitude};
-use super::held_joint::HeldJoint;
+use super::branch::{attitude_of, with_attitude};
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
@@ -87,14 +86,14 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with every usable member of the family of the branch `first`, which
-    /// [`Self::visit_families`] has found.
+    /// Calls `found` with every usable member of a family that [`Self::visit_families`] has found. The family
+    /// is given by the branch index and the posture of its first member.
     pub fn members(
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         scratch: &mut Posture,
-        first: u64,
+        (first, posture): (u64, &Posture),
         mut found: impl FnMut(u64, &Posture),
     ) {
         let mut judge = |index: u64, posture: &Posture| {
@@ -110,39 +109,48 @@ impl Inverse {
                     }
                 });
             }
-            ChainSolver::Pose(_) => {
-                // Without a redundant joint, all bits above the lowest four hold the index of the attitude.
-                let attitude = (first >> 4) as usize;
-                self.solve_spins(attitude, target, attitudes, scratch, &mut |index, posture: &Posture| {
-                    if index & 15 == first & 15 {
-                        judge(index, posture);
-                    }
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
+                self.spin(self.attitude_of(first), attitudes, posture, &mut |k, posture| {
+                    judge(self.with_attitude(first, k), posture);
                 });
             }
-            ChainSolver::Redundant(joint) => self.spin_held(joint, target, attitudes, first, &mut judge),
             ChainSolver::Numeric(_) => {}
         }
     }
 
-    /// Calls `found` with every member of a family of a redundant arm, including members outside the joint
-    /// limits.
-    fn spin_held(
+    /// Returns the posture of the member `branch` of a family with the first member `first`; None if the
+    /// family has no such member.
+    pub fn member(
         &self,
-        joint: &HeldJoint,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        first: u64,
-        found: &mut impl FnMut(u64, &Posture),
-    ) {
-        let attitude = attitude_of(first);
-        let sample = joint.sample(sample_of(first));
-        self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
-            if index == first {
-                self.spin(attitude, attitudes, posture, &mut |k, posture| {
-                    found(with_attitude(first, k), posture);
-                });
+        branch: u64,
+        first: &Posture,
+    ) -> Option<Posture> {
+        match &self.solver {
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
+                let turn = attitudes.set.spin_turns.get(self.attitude_of(branch))?;
+                Some(self.last_joint.as_ref().map_or(*first, |joint| joint.turned(first, turn)))
             }
-        });
+            ChainSolver::Planar(_) | ChainSolver::Numeric(_) => self.posture(target, attitudes, branch),
+        }
+    }
+
+    /// Returns the attitude index that a branch index of this arm holds.
+    fn attitude_of(&self, branch: u64) -> usize {
+        match &self.solver {
+            ChainSolver::Redundant(_) => attitude_of(branch),
+            // Without a redundant joint, all bits above the lowest four hold the index of the attitude.
+            _ => (branch >> 4) as usize,
+        }
+    }
+
+    /// Returns a branch index of this arm with its attitude index replaced by `attitude`.
+    fn with_attitude(&self, branch: u64, attitude: usize) -> u64 {
+        match &self.solver {
+            ChainSolver::Redundant(_) => with_attitude(branch, attitude),
+            _ => branch & 15 | (attitude as u64) << 4,
+        }
     }
 
     /// Returns whether any member of the family of `posture` stays within the joint limits and meets the

@@ -5,13 +5,7 @@
 //! attitudes.
 
 use super::attitude_set::SpinTurn;
-use crate::cell::JointKind;
 use crate::robot::{Chain, Posture};
-use nalgebra::Vector3;
-
-/// A deviation from the last axis of at most this value counts as a rounding error: of a unit vector (no
-/// unit), or of a point (m).
-const ON_AXIS: f64 = 1e-12;
 
 /// Last joint of an arm that rotates the tool about the tool axis, and leaves the TCP in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,13 +19,7 @@ pub(super) struct SpinJoint {
 impl SpinJoint {
     /// Returns the last joint; None unless it is revolute and its axis is the tool axis through the TCP.
     pub fn new(chain: &Chain) -> Option<Self> {
-        let last = chain.links.last().filter(|link| link.kind == JointKind::Revolute)?;
-        // Direction of the last axis, and a point on it, in the last frame.
-        let axis = Vector3::new(0.0, last.sin_alpha, last.cos_alpha);
-        let point = -Vector3::new(last.l, last.r * last.sin_alpha, last.r * last.cos_alpha);
-        let tool_axis = chain.tool.rotation * chain.tool_axis;
-        let off = (chain.tool.translation - point).cross(&axis).norm().max(tool_axis.cross(&axis).norm());
-        (off <= ON_AXIS).then(|| Self { joint: chain.axes() - 1, sense: tool_axis.dot(&axis).signum() })
+        Some(Self { joint: chain.axes().checked_sub(1)?, sense: chain.tool_spin()? })
     }
 
     /// Returns a posture with the tool rotated about its axis.

@@ -203,6 +203,19 @@ impl ErrorSource {
     }
 }
 
+/// Returns whether a parameter describes a part after the last joint (on the tool side).
+pub fn is_behind(parameter: Parameter, axes: usize) -> bool {
+    match parameter {
+        Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
+        Parameter::Tool(_) => true,
+        // The last joint rotates the last link and its load, and so changes levers and torques.
+        Parameter::Elastic(_, link) => link + 1 == axes,
+        Parameter::Compliance(_) => true,
+        Parameter::Periodic(joint) => joint + 1 == axes,
+        _ => false,
+    }
+}
+
 /// Returns independent factors `v_f` of a tolerance's covariance `C = sum_f v_f v_f^T`; empty without a
 /// covariance.
 ///

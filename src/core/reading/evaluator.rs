@@ -1,11 +1,12 @@
 //! Error of an operation at a posture as one number, which the search minimizes.
 
 use super::error_propagation::{ErrorPropagation, PreparedSample};
-use super::error_sources::ErrorSources;
+use super::error_sources::{ErrorSources, is_behind};
 use super::flip_prediction::FlipPrediction;
+use super::isotropic_tool::is_isotropic;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
-use super::spin_bound::{SpinBound, is_behind};
+use super::spin_bound::SpinBound;
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::zonotope::ZonotopeScratch;
 use super::{Effects, MAX_SOURCES, SenseRows};
@@ -13,7 +14,7 @@ use crate::cell::{Cell, Distribution, Frame, Model, Operation, Quantity, Reading
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// Evaluator of the error of one operation. The operation defines the sense, and the cell defines the error
 /// model and the reading.
@@ -45,6 +46,9 @@ pub struct ErrorEvaluator {
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,
+    /// Whether the value is computed with the last joint at theta = 0, because a rotation of the tool by this
+    /// joint does not change the distribution of the error.
+    pub(super) takes_zero_spin: bool,
     /// Whether the errors of the signed sample compensate each other, so that they are not tolerances
     /// ([`Cell::errors_compensate`]).
     pub(super) errors_compensate: bool,
@@ -54,6 +58,8 @@ pub struct ErrorEvaluator {
 pub struct EvaluatorScratch {
     pub(super) expansion: Expansion,
     pub(super) effects: Effects,
+    /// Expansion for the bound of a position error over spins; None if the bound needs the effects.
+    pub(super) position: Option<Box<Expansion>>,
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
@@ -116,11 +122,14 @@ impl ErrorEvaluator {
             untied: is_untied.then_some(operation.equipment),
             spin_bound: None,
             ignores_spin: false,
+            takes_zero_spin: false,
         };
         let is_behind = evaluator.sources.list.iter().any(|s| is_behind(s.parameter, cell.robot.axes()));
         let turns_with_tool =
             operation.sense.frame == Frame::Tool || operation.sense.point != Vector3::zeros();
-        evaluator.ignores_spin = !is_behind && !turns_with_tool && other.is_none();
+        let may_ignore_spin = !turns_with_tool && other.is_none();
+        evaluator.takes_zero_spin = may_ignore_spin && is_behind && evaluator.has_isotropic_tool();
+        evaluator.ignores_spin = may_ignore_spin && !is_behind || evaluator.takes_zero_spin;
         // The effects at the pick rotate with the tool, so no bound is known for a picked part.
         evaluator.spin_bound = if other.is_none() { evaluator.spin_bound_of() } else { None };
         evaluator
@@ -131,10 +140,12 @@ impl ErrorEvaluator {
         let rows = self.reported.iter().map(|sense| sense.rows().len());
         let components = rows.filter(|_| self.sources.has_bounded()).max().unwrap_or(0);
         let expansion = self.sources.expansion(&self.chain);
+        let position = self.spin_bound.as_ref().and_then(SpinBound::factors);
         let flips = self.untied.filter(|_| self.model != Model::Linear);
         let flips = flips.map(|at| Box::new(FlipPrediction::new(&self.sources, &expansion, at)));
         EvaluatorScratch {
             expansion,
+            position: position.map(|factors| Box::new(factors.expansion(&self.chain))),
             flips,
             effects: Effects::default(),
             columns: [Vector6::zeros(); MAX_SOURCES],
@@ -195,8 +206,21 @@ impl ErrorEvaluator {
                 self.prepare(context, frames, memory);
                 self.worst(&self.sense, context, frames, memory).by_model
             }
+            Reading::Statistical if self.takes_zero_spin => {
+                let frames = self.chain.with_last_joint_at_zero(frames);
+                self.statistical_value(context, &frames, memory)
+            }
             Reading::Statistical => self.statistical_value(context, frames, memory),
         }
+    }
+
+    /// Returns whether a rotation of the tool by the last joint does not change the distribution of the TCP
+    /// position error, although errors after this joint rotate with the tool.
+    fn has_isotropic_tool(&self) -> bool {
+        self.reading == Reading::Statistical
+            && self.sense.rows().iter().all(|row| !row.turns)
+            && self.chain.tool_spin().is_some()
+            && is_isotropic(&self.sources, self.chain.axes(), &self.chain.tool_axis)
     }
 
     /// Returns the signed sample and the rows of the sense (world frame) in the plain case; otherwise None.
@@ -289,24 +313,6 @@ impl ErrorEvaluator {
         });
         let mean = measure.column(&effects.mean);
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
-    }
-
-    /// Returns the covariance (m or rad, squared) of the error's components along the rows of the operation's
-    /// sense. The second and third results are the number of rows and the size of the mean error (m or rad).
-    pub fn covariance(
-        &self,
-        context: &WorkContext,
-        frames: &Frames,
-        memory: &mut EvaluatorScratch,
-    ) -> (Matrix6<f64>, usize, f64) {
-        self.prepare(context, frames, memory);
-        let measure = self.measure(&self.sense, context, frames);
-        let mut covariance = Matrix6::zeros();
-        memory.effects.independent(&self.sources, |effect, _| {
-            let column = measure.column(&effect);
-            covariance += column * column.transpose();
-        });
-        (covariance, measure.rows(), measure.column(&memory.effects.mean).norm())
     }
 
     /// Restricts the reported senses to the sense of the operation, which makes reports several times faster.

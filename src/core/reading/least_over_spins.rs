@@ -1,6 +1,7 @@
 //! Lower bound of the value of an operation over rotations of the tool about its axis.
 
-use super::spin_bound::{SpinBound, is_behind};
+use super::error_sources::is_behind;
+use super::spin_bound::SpinBound;
 use super::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::cell::{Frame, Model, Parameter, Reading};
 use crate::robot::Frames;
@@ -21,6 +22,12 @@ impl ErrorEvaluator {
         matches!(self.spin_bound, Some(SpinBound::Signed(_)))
     }
 
+    /// Returns whether all rotations of the tool by the last joint have one value, which costs less than a
+    /// bound of [`Self::value`] for each rotation.
+    pub fn has_one_value_over_spins(&self) -> bool {
+        self.ignores_spin() && self.reading == Reading::Statistical
+    }
+
     /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint;
     /// 0 if no bound is known.
     ///
@@ -39,10 +46,15 @@ impl ErrorEvaluator {
             }
             Some(SpinBound::WorstCase) => self.rough_worst(context, frames, spins.len() > 1, memory),
             Some(SpinBound::Normal(bound)) => {
-                let EvaluatorScratch { expansion, effects, .. } = memory;
-                self.propagation().effects(context, frames, expansion, false, effects);
+                let EvaluatorScratch { expansion, effects, position, .. } = memory;
                 let measure = self.measure(&self.sense, context, frames);
                 let axis = frames.tcp.rotation * self.chain.tool_axis;
+                if let (Some(factors), Some(expansion)) =
+                    (self.spin_bound.as_ref().and_then(SpinBound::factors), position)
+                {
+                    return bound.least_of_position(factors, frames, expansion, &measure, &axis, spins);
+                }
+                self.propagation().effects(context, frames, expansion, false, effects);
                 bound.least(effects, &self.sources, &measure, &axis, spins)
             }
         }
@@ -62,7 +74,7 @@ impl ErrorEvaluator {
                 is_rigid.then_some(bound)
             }
             Reading::Statistical => {
-                SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
+                SpinBound::of_statistics(&self.chain, &self.sources, &self.sense, self.quantity, self.alone)
             }
             // The bound needs rows that do not rotate with the tool. Rows in tool axes and a measured point
             // beside the TCP rotate with the tool, and a mean error may rotate with it.

@@ -100,6 +100,7 @@ impl ErrorEvaluator {
         let figures: Vec<Figures> = figures.collect();
         let value = match (self.reading, self.quantity) {
             (Reading::Signed, _) => self.value(context, frames, memory),
+            (Reading::Statistical, _) if self.takes_zero_spin => self.value(context, frames, memory),
             (Reading::Statistical, quantity) => figures[own].statistic(quantity, success),
             (reading, quantity) => figures[own].in_reading(reading, quantity),
         };

@@ -37,6 +37,13 @@ impl SenseRows {
         self.count
     }
 
+    /// Returns the first three directions as the rows of a matrix; unused rows are 0. The result is valid only
+    /// if all rows measure the position of the TCP.
+    pub fn position_rows(&self) -> Matrix3<f64> {
+        let [a, b, c] = [0, 1, 2].map(|k| self.rows[k].1.transpose());
+        Matrix3::from_rows(&[a, b, c])
+    }
+
     /// Returns whether only the position error of the TCP counts.
     pub fn is_of_position(&self) -> bool {
         self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)

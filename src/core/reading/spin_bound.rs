@@ -12,12 +12,14 @@
 //!   error is set to 0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176);
 //!   [`CentredBound`] uses this fact.
 
+use super::error_sources::is_behind;
 use super::norm::{CentredBound, CovarianceEntries};
+use super::position_factors::PositionFactors;
 use super::{Effects, ErrorSources, SenseRows};
-use crate::cell::{Frame, Parameter, Quantity, Sense};
-use crate::kinematic_error::{FrameError, Perturbation};
+use crate::cell::{Frame, Quantity, Sense};
+use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::pose::Displacement;
-use crate::robot::Chain;
+use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
 
 /// Method that bounds the value of an operation over all rotations of the tool by the last joint.
@@ -37,6 +39,9 @@ pub(super) struct NormalBound {
     /// Whether a rotation of the tool leaves the effect of each independent random factor unchanged.
     stays: Vec<bool>,
     figure: CentredBound,
+    /// Factors of the position error; None if the sense also measures rotations, or if other errors than
+    /// those of the robot count.
+    factors: Option<PositionFactors>,
 }
 
 /// Entries of the covariance of an error after a rotation of the tool by q: a polynomial in cos q and sin q.
@@ -47,6 +52,14 @@ struct SpinCovariance {
 }
 
 impl SpinBound {
+    /// Returns the factors of a position error that the bound needs; None if it needs none.
+    pub fn factors(&self) -> Option<&PositionFactors> {
+        match self {
+            Self::Normal(bound) => bound.factors.as_ref(),
+            Self::Signed(_) | Self::WorstCase => None,
+        }
+    }
+
     /// Returns the bound for signed position errors in world directions.
     pub fn of_sample(chain: &Chain, errors: &Perturbation, sense: &Sense) -> Self {
         let rows = sense.rows().iter().map(|row| row.direction);
@@ -56,24 +69,59 @@ impl SpinBound {
     }
 
     /// Returns the bound of a quantity of random errors in a sense; None if no bound is known.
+    ///
+    /// `is_alone` is true if only the robot has errors, and neither a registration nor a pick removes a part
+    /// of these errors.
     pub fn of_statistics(
-        axes: usize,
+        chain: &Chain,
         sources: &ErrorSources,
         sense: &Sense,
         quantity: Quantity,
+        is_alone: bool,
     ) -> Option<Self> {
         if sources.has_bounded() || sense.frame == Frame::Tool || sense.point != Vector3::zeros() {
             return None;
         }
         let figure = CentredBound::new(quantity, sense.rows().len())?;
-        let stays = |source: &usize| !is_behind(sources.list[*source].parameter, axes);
+        let stays = |source: &usize| !is_behind(sources.list[*source].parameter, chain.axes());
         let factors = sources.independent();
         let stays = factors.iter().map(|f| f.iter().all(|(source, _)| stays(source))).collect();
-        Some(Self::Normal(NormalBound { stays, figure }))
+        let is_plain = is_alone && sense.rows().iter().all(|row| !row.turns);
+        let factors = if is_plain { PositionFactors::new(chain, sources) } else { None };
+        Some(Self::Normal(NormalBound { stays, figure, factors }))
     }
 }
 
 impl NormalBound {
+    /// Returns the bound of [`Self::least`] from the factors of the position error.
+    ///
+    /// `expansion` is the one of [`PositionFactors::expansion`].
+    pub fn least_of_position(
+        &self,
+        factors: &PositionFactors,
+        frames: &Frames,
+        expansion: &mut Expansion,
+        measure: &SenseRows,
+        axis: &Vector3<f64>,
+        spins: &[(f64, f64)],
+    ) -> f64 {
+        let rows = measure.position_rows();
+        let c = rows * factors.covariance(frames, expansion) * rows.transpose();
+        let staying = [c.m11, c.m22, c.m33, c.m12, c.m13, c.m23];
+        let mut rotating = factors.rotating(expansion).peekable();
+        if rotating.peek().is_none() {
+            return self.figure.of(&staying);
+        }
+        let mut covariance = SpinCovariance::default();
+        covariance.terms[0] = staying;
+        for effect in rotating {
+            let along = axis * axis.dot(&effect);
+            let each = [along, effect - along, axis.cross(&effect)];
+            covariance.add_rotating(each.map(|v| <[f64; 3]>::from(rows * v)));
+        }
+        spins.iter().map(|spin| self.figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
+    }
+
     /// Returns a lower bound of the figure over rotations of the tool about `axis` (base frame).
     ///
     /// `effects` are the effects before the rotation; `spins` holds cosine and sine of each angle.
@@ -88,7 +136,7 @@ impl NormalBound {
         let (mut covariance, mut stays) = (SpinCovariance::default(), self.stays.iter());
         effects.independent(sources, |effect, _| match stays.next() {
             Some(true) => covariance.add(&components(measure, &effect)),
-            _ => covariance.add_rotating(&effect, axis, measure),
+            _ => covariance.add_rotating(parts(&effect, axis, measure)),
         });
         spins.iter().map(|spin| self.figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
     }
@@ -100,17 +148,8 @@ impl SpinCovariance {
         add_product(&mut self.terms[0], effect, effect);
     }
 
-    /// Adds a random effect that rotates with the tool about `axis`.
-    fn add_rotating(&mut self, effect: &Displacement, axis: &Vector3<f64>, measure: &SenseRows) {
-        let each = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
-            components(
-                measure,
-                &Displacement { position: of(&effect.position), rotation: of(&effect.rotation) },
-            )
-        };
-        let still = each(&|v| axis * axis.dot(v));
-        let cos = each(&|v| v - axis * axis.dot(v));
-        let sin = each(&|v| axis.cross(v));
+    /// Adds a random effect that rotates with the tool: its constant part, and its factors of cos q and sin q.
+    fn add_rotating(&mut self, [still, cos, sin]: [[f64; 3]; 3]) {
         let [one, of_cos, of_sin, of_cos2, of_both, of_sin2] = &mut self.terms;
         add_product(one, &still, &still);
         for (term, factor) in [(of_cos, &cos), (of_sin, &sin)] {
@@ -130,6 +169,16 @@ impl SpinCovariance {
     }
 }
 
+/// Returns the components of an effect that rotates with the tool about `axis`: the constant part, and the
+/// factors of cos q and sin q.
+fn parts(effect: &Displacement, axis: &Vector3<f64>, measure: &SenseRows) -> [[f64; 3]; 3] {
+    let each = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
+        components(measure, &Displacement { position: of(&effect.position), rotation: of(&effect.rotation) })
+    };
+    let along = |v: &Vector3<f64>| axis * axis.dot(v);
+    [each(&along), each(&|v| v - along(v)), each(&|v| axis.cross(v))]
+}
+
 /// Adds the symmetric part of the outer product of two vectors to `sum`.
 fn add_product(sum: &mut CovarianceEntries, a: &[f64; 3], b: &[f64; 3]) {
     for (entry, (i, j)) in sum.iter_mut().zip([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]) {
@@ -141,19 +190,6 @@ fn add_product(sum: &mut CovarianceEntries, a: &[f64; 3], b: &[f64; 3]) {
 fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
     let column = measure.column(effect);
     [column[0], column[1], column[2]]
-}
-
-/// Returns whether a parameter describes a part after the last joint (on the tool side).
-pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
-    match parameter {
-        Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
-        Parameter::Tool(_) => true,
-        // The last joint rotates the last link and its load, and so changes levers and torques.
-        Parameter::Elastic(_, link) => link + 1 == axes,
-        Parameter::Compliance(_) => true,
-        Parameter::Periodic(joint) => joint + 1 == axes,
-        _ => false,
-    }
 }
 
 /// Returns an upper bound of the displacement of the TCP, m, that errors after the last joint cause.

@@ -7,7 +7,7 @@
 //! So the result is at least the larger of the errors at these two corners.
 
 use super::corner_model::CornerModel;
-use super::spin_bound::is_behind;
+use super::error_sources::is_behind;
 use super::work_context::WorkContext;
 use super::{ErrorEvaluator, EvaluatorScratch, SenseRows};
 use crate::cell::{Model, Reading};

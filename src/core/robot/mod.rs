@@ -11,6 +11,7 @@ mod chain;
 mod gravity;
 mod loads;
 mod periodic;
+mod tool_spin;
 
 pub use chain::{Chain, Frames, Link, Posture};
 pub use gravity::{STANDARD_GRAVITY, gravity_torque, lever};

@@ -1,0 +1,34 @@
+//! Rotation of the tool about its axis by the last joint alone.
+
+use super::{Chain, Frames};
+use crate::cell::JointKind;
+use nalgebra::Vector3;
+
+/// A deviation from the last axis of at most this value counts as a rounding error: of a unit vector (no
+/// unit), or of a point (m).
+const ON_AXIS: f64 = 1e-12;
+
+impl Chain {
+    /// Returns the direction of the last joint axis relative to the tool axis, 1 or -1, if the last joint
+    /// rotates the tool about its axis and leaves the TCP in place; otherwise None.
+    pub fn tool_spin(&self) -> Option<f64> {
+        let last = self.links.last().filter(|link| link.kind == JointKind::Revolute)?;
+        // Direction of the last axis, and a point on it, in the last frame.
+        let axis = Vector3::new(0.0, last.sin_alpha, last.cos_alpha);
+        let point = -Vector3::new(last.l, last.r * last.sin_alpha, last.r * last.cos_alpha);
+        let tool_axis = self.tool.rotation * self.tool_axis;
+        let off = (self.tool.translation - point).cross(&axis).norm().max(tool_axis.cross(&axis).norm());
+        (off <= ON_AXIS).then(|| tool_axis.dot(&axis).signum())
+    }
+
+    /// Returns the frames after a rotation of the last joint to theta = 0. The last joint must be revolute.
+    pub fn with_last_joint_at_zero(&self, frames: &Frames) -> Frames {
+        let mut zero = *frames;
+        if let Some(last) = self.links.last() {
+            let flange = frames.links[self.links.len() - 1] * last.pose(1.0, 0.0, last.r);
+            zero.links[self.links.len()] = flange;
+            zero.tcp = flange * self.tool;
+        }
+        zero
+    }
+}
