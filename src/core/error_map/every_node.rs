@@ -7,6 +7,7 @@ use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
+use crate::cell::NodeAggregation;
 use crate::reach::Gap;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
@@ -33,7 +34,7 @@ impl<const BOUNDS: bool> PostureVisitor for NodeCandidates<'_, BOUNDS> {
 
 /// Counts of the nodes that cannot be reached, and sums of their gaps ([`Gap`]).
 #[derive(Default)]
-struct UnreachedNodes {
+pub(super) struct UnreachedNodes {
     out_of_reach: usize,
     reach: f64,
     beyond_limits: usize,
@@ -41,11 +42,11 @@ struct UnreachedNodes {
 }
 
 impl UnreachedNodes {
-    fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.out_of_reach == 0 && self.beyond_limits == 0
     }
 
-    fn note(&mut self, gap: &Gap) {
+    pub fn note(&mut self, gap: &Gap) {
         if gap.reach > 0.0 {
             self.out_of_reach += 1;
             self.reach += gap.reach;
@@ -59,7 +60,7 @@ impl UnreachedNodes {
     ///
     /// If any node is out of reach, only distances from the reach count, and violations of joint limits do
     /// not count. The mean then decreases whenever an unreached node comes nearer to the reach of the arm.
-    fn gap(&self, nodes: usize) -> Option<Gap> {
+    pub fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
             return Some(Gap { reach, limits: 0.0 });
@@ -84,13 +85,16 @@ impl PlacedLayout<'_> {
         if !self.mapper.setups[operation].over.needs_every_node() {
             return self.least_error(operation, spots, workspace);
         }
+        if self.mapper.ranks && self.mapper.setups[operation].over == NodeAggregation::Max {
+            return self.worst_node(operation, spots, workspace);
+        }
         self.every_free(operation, spots, workspace)
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
     /// Combines the values of all nodes. The spot is the worst node, or the first of several equally bad
     /// nodes.
-    fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
+    pub fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
         let Some(worst) = free.iter().rev().max_by(by_value) else {
             return Outcome::Unjudged(Unjudged::OnlyTouched);
@@ -119,7 +123,7 @@ impl PlacedLayout<'_> {
             // Once a node has failed, the remaining nodes matter only if they cannot be reached.
             let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
             let judged = match is_judged {
-                true => query.judged_node(node, target, has_families, &mut memory),
+                true => query.judged_node(node, target, has_families, None, &mut memory),
                 false => query.reached(&target, memory.postures).map(|()| None),
             };
             match judged {
@@ -143,13 +147,16 @@ impl OperationQuery<'_> {
     /// Finds the least-error usable spot of one node; None for a node that the robot touches to teach the
     /// frame.
     ///
+    /// If a usable posture of the node is known to have a value below `floor`, the result may also be None.
+    ///
     /// # Errors
     /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
-    fn judged_node(
+    pub(super) fn judged_node(
         &self,
         node: usize,
         target: Vector3<f64>,
         has_families: bool,
+        floor: Option<f64>,
         memory: &mut WalkMemory<'_>,
     ) -> Result<Option<Outcome>, Gap> {
         let WalkMemory { candidates, families, postures, .. } = memory;
@@ -167,6 +174,10 @@ impl OperationQuery<'_> {
         };
         if let Some(gap) = missed {
             return Err(gap);
+        }
+        if floor.is_some_and(|floor| candidates.is_empty() && self.has_spot_below(floor, families, postures))
+        {
+            return Ok(None);
         }
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
         let found = match has_families {
@@ -191,7 +202,7 @@ impl OperationQuery<'_> {
     ///
     /// # Errors
     /// Returns how far the target is from having a usable posture ([`Gap`]) if no posture reaches it.
-    fn reached(&self, target: &Vector3<f64>, memory: &mut PostureMemory) -> Result<(), Gap> {
+    pub(super) fn reached(&self, target: &Vector3<f64>, memory: &mut PostureMemory) -> Result<(), Gap> {
         let mut is_reached = false;
         let inverse = &self.placed.mapper.arm.inverse;
         let gap = inverse.visit(target, &self.attitudes, &mut memory.posture, |_, _| is_reached = true);

@@ -43,6 +43,7 @@ mod transfers;
 mod walk;
 mod work_context;
 mod workspace;
+mod worst_node;
 
 pub use demand::Demand;
 pub use extrapolation::{Extrapolation, contains_joint};

@@ -32,6 +32,8 @@ pub struct PostureMemory {
     pub posture: Posture,
     /// First members of the spin families found so far ([`super::candidate::PostureCandidate::first`]).
     pub firsts: Vec<Posture>,
+    /// Buffer for the members of a spin family: branch indices and postures.
+    pub members: Vec<(u64, Posture)>,
 }
 
 impl PostureMemory {
@@ -46,6 +48,7 @@ impl PostureMemory {
             contacts: ContactMemory::default(),
             posture: mapper.inverse().scratch(),
             firsts: Vec::new(),
+            members: Vec::new(),
         }
     }
 }

@@ -99,19 +99,24 @@ impl SpotQuery<'_> {
     /// Chooses the spot of the operation, and returns its contribution to the objective.
     pub fn choose(&self, memory: &mut SpotMemory) -> (Outcome, Option<SpotValue>) {
         let SpotMemory { mapper, bounds } = memory;
-        let outcome = self.placed.outcome(self.operation, self.spots, mapper);
-        let Outcome::Found(first) = outcome else { return (outcome, None) };
-        let drawn = SpotValue::Kept { value: first.value, most: first.value };
         let SpotQuery { workcell, placed, operation, spots } = *self;
-        let robust = workcell.cell.search.robust;
-        let Some(demand) = placed.demand().filter(|_| self.needs_bound()) else {
-            return (outcome, Some(drawn));
+        let demand = placed.demand().filter(|_| self.needs_bound());
+        if let Some(demand) = demand.filter(|_| workcell.cell.operations[operation].over.needs_every_node()) {
+            let all = match placed.every_free(operation, spots, mapper) {
+                Ok(all) => all,
+                Err(why) => return (why, None),
+            };
+            let outcome = placed.value_of_all(operation, &all);
+            let Outcome::Found(worst) = outcome else { return (outcome, None) };
+            return (outcome, Some(Judge::new(self, demand, bounds).value(worst.value, &all)));
+        }
+        let outcome = placed.outcome(operation, spots, mapper);
+        let Outcome::Found(first) = outcome else { return (outcome, None) };
+        let Some(demand) = demand else {
+            return (outcome, Some(SpotValue::Kept { value: first.value, most: first.value }));
         };
         let mut judge = Judge::new(self, demand, bounds);
-        if workcell.cell.operations[operation].over.needs_every_node() {
-            let all = placed.every_free(operation, spots, mapper).unwrap_or_default();
-            return (outcome, Some(judge.value(first.value, &all)));
-        }
+        let robust = workcell.cell.search.robust;
         let mut best = (first, judge.value(first.value, &[first]));
         let mut judged = 1;
         if robust {

@@ -41,6 +41,7 @@ mod sample_space;
 mod sense_rows;
 mod spin_bound;
 mod statistics;
+mod upper_bound;
 mod work_context;
 mod workspace_average;
 mod worst_bounds;

@@ -20,6 +20,8 @@ pub(super) struct PositionFactors {
     everywhere: f64,
     /// Parameters (indices) whose motions the factors need.
     parameters: Vec<usize>,
+    /// Root sum square of the deviations (rad) of all rotations; None if a factor causes several motions.
+    turned: Option<f64>,
 }
 
 impl PositionFactors {
@@ -65,9 +67,13 @@ impl PositionFactors {
         };
         parameters.retain(is_needed);
         factors.retain(|(_, motions)| !motions.is_empty());
+        let is_single = factors.iter().all(|(_, motions)| motions.len() == 1);
+        let motions = factors.iter().flat_map(|(_, motions)| motions);
+        let turned = motions.filter(|(k, _)| is_rotation(*k, axes)).map(|(_, size)| size * size).sum::<f64>();
+        let turned = is_single.then(|| turned.sqrt());
         let (rotating, staying): (Vec<_>, Vec<_>) = factors.into_iter().partition(|(rotates, _)| *rotates);
         let [rotating, staying] = [rotating, staying].map(|all| all.into_iter().map(|f| f.1).collect());
-        Some(Self { staying, rotating, everywhere, parameters })
+        Some(Self { staying, rotating, everywhere, parameters, turned })
     }
 
     /// Returns an expansion with the derivatives that the factors need.
@@ -88,10 +94,27 @@ impl PositionFactors {
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
+    /// Returns an upper bound, m, of the mean of the second-order terms of the TCP position; None if no bound is
+    /// known. `covariance` is the sum of the outer products of all effects, m^2.
+    ///
+    /// The second derivative of a rotation is at most as long as its effect g per unit. So the mean is at most
+    /// `1/2 sum sigma^2 |g|`, and the Cauchy-Schwarz inequality bounds this sum.
+    pub fn most_mean(&self, covariance: &Matrix3<f64>) -> Option<f64> {
+        Some(self.turned? * covariance.trace().max(0.0).sqrt() / 2.0)
+    }
+
     /// Returns the effects (base frame, m) that rotate with the tool, at the posture of the last call of
     /// [`Self::covariance`].
     pub fn rotating<'a>(&'a self, expansion: &'a Expansion) -> impl Iterator<Item = Vector3<f64>> + 'a {
         self.rotating.iter().map(|factor| effect(factor, expansion))
+    }
+}
+
+/// Returns whether a motion is a rotation; `k` is its index in the order of [`Parameter::of_robot`].
+fn is_rotation(k: usize, axes: usize) -> bool {
+    match k.checked_sub(PER_LINK * axes) {
+        None => matches!(k % PER_LINK, 0 | 3 | 4),
+        Some(of_frame) => of_frame % PER_FRAME >= 3,
     }
 }
 

@@ -38,10 +38,10 @@ pub(super) enum SpinBound {
 pub(super) struct NormalBound {
     /// Whether a rotation of the tool leaves the effect of each independent random factor unchanged.
     stays: Vec<bool>,
-    figure: CentredBound,
+    pub figure: CentredBound,
     /// Factors of the position error; None if the sense also measures rotations, or if other errors than
     /// those of the robot count.
-    factors: Option<PositionFactors>,
+    pub factors: Option<PositionFactors>,
 }
 
 /// Entries of the covariance of an error after a rotation of the tool by q: a polynomial in cos q and sin q.

@@ -71,7 +71,7 @@ impl ErrorEvaluator {
 
     /// Returns an upper bound of the products of two and more errors at any corner; None if no bound is
     /// known.
-    fn largest_products(
+    pub(super) fn largest_products(
         &self,
         measure: &SenseRows,
         context: &WorkContext,

@@ -11,5 +11,6 @@ mod refuted;
 mod registration;
 mod sampling;
 mod spread;
+mod upper_bound;
 mod worst;
 mod zonotope;

@@ -7,7 +7,8 @@
 //! concave, and the interpolated value is below it.
 //!
 //! The figure never decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
-//! So the sample at the next smaller ratios is a second lower bound, and the greater of both is returned.
+//! So the sample at the next smaller ratios is a second lower bound, and the greater of both is returned. The
+//! sample at the next greater ratios is an upper bound.
 
 use super::NormDistribution;
 use crate::cell::Quantity;
@@ -55,32 +56,51 @@ impl CentredBound {
 
     /// Returns a lower bound of the quantity for a covariance.
     pub fn of(&self, c: &CovarianceEntries) -> f64 {
-        let Some(table) = self.table else { return (c[0] + c[1] + c[2]).max(0.0).sqrt() * (1.0 - ROUNDING) };
+        let (size, [below, interpolated, _]) = self.samples_at(c, -ROUNDING);
+        size * (1.0 - ROUNDING) * below.max(interpolated * (1.0 - CURVATURE))
+    }
+
+    /// Returns an upper bound of the quantity for a covariance.
+    pub fn most(&self, c: &CovarianceEntries) -> f64 {
+        let (size, [_, interpolated, above]) = self.samples_at(c, ROUNDING);
+        // Near a ratio of 0, a mean exceeds its interpolated value by more than the curvature.
+        let is_smooth = matches!(self.quantity, Quantity::P95 | Quantity::P99);
+        let least = if is_smooth { above.min(interpolated * (1.0 + CURVATURE)) } else { above };
+        size * (1.0 + ROUNDING) * least
+    }
+
+    /// Returns the root of the largest eigenvalue of a covariance, and three samples for its ratios of
+    /// eigenvalues: the next smaller sample, the interpolated value and the next greater sample.
+    ///
+    /// `moved` is added to both ratios.
+    #[inline]
+    fn samples_at(&self, c: &CovarianceEntries, moved: f64) -> (f64, [f64; 3]) {
+        let Some(table) = self.table else { return ((c[0] + c[1] + c[2]).max(0.0).sqrt(), [1.0; 3]) };
         let [largest, second, third] = self.eigenvalues(c);
         if largest <= 0.0 {
-            return 0.0;
+            return (0.0, [0.0; 3]);
         }
         // The index of the next smaller sample of a ratio, and the position in the interval that follows.
         let place = |value: f64, steps: usize| {
-            let at = (value / largest - ROUNDING).clamp(0.0, 1.0) * steps as f64;
+            let at = (value / largest + moved).clamp(0.0, 1.0) * steps as f64;
             let below = (at as usize).min(steps - 1);
             (below, at - below as f64)
         };
         let between = |a: f64, b: f64, share: f64| a + (b - a) * share;
-        let (below, interpolated) = match self.rows {
-            1 => (table[0], table[0]),
+        let samples = match self.rows {
+            1 => [table[0]; 3],
             2 => {
                 let (k, share) = place(second, PLANE_STEPS);
-                (table[k], between(table[k], table[k + 1], share))
+                [table[k], between(table[k], table[k + 1], share), table[k + 1]]
             }
             _ => {
                 let ((j, in_row), (k, share)) = (place(second, SPACE_STEPS), place(third, SPACE_STEPS));
                 let at = |j: usize| &table[j * (SPACE_STEPS + 1) + k..][..2];
                 let [low, high] = [at(j), at(j + 1)].map(|row| between(row[0], row[1], share));
-                (at(j)[0], between(low, high, in_row))
+                [at(j)[0], between(low, high, in_row), at(j + 1)[1]]
             }
         };
-        largest.sqrt() * (1.0 - ROUNDING) * below.max(interpolated * (1.0 - CURVATURE))
+        (largest.sqrt(), samples)
     }
 
     /// Returns the eigenvalues of a covariance, the largest first.
