@@ -12,6 +12,7 @@ use sweetspot::cell::{
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
+use sweetspot::reading::{WorkContext, WorkFrame};
 
 /// Cell that is evaluated with ranking, and with every node judged one by one.
 struct RankedPair {
@@ -332,12 +333,31 @@ fn isotropic_tool_errors_do_not_change_the_layouts() {
                 }
             }
             let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {form}") };
+            check_values(&pair.ranked, form);
             for _ in 0..layouts / 2 {
                 counts = sum(counts, pair.compare(&near_start(&cell, &mut rng)));
             }
         }
     }
     assert!(counts.iter().all(|c| *c > 10), "{counts:?}");
+}
+
+/// The value at a posture is the figure that a map reports for the same posture, with the spin of this posture.
+fn check_values(workcell: &Workcell, form: usize) {
+    for operation in 0..workcell.cell.operations.len() {
+        let (evaluator, chain) = (workcell.evaluator(operation), workcell.inverse().chain());
+        let mut memory = evaluator.memory();
+        let (work, world) = (Pose::identity(), nalgebra::Matrix3::identity());
+        let site = WorkFrame { equipment: operation, work, world, taught: None };
+        let context = WorkContext { site, reference: None };
+        for sample in 0..5 {
+            let frames = chain.frames(&chain.posture(&chain.halton_sample(sample)));
+            let value = evaluator.value(&context, &frames, &mut memory);
+            let figures = &evaluator.judge(&context, &frames, &mut memory).figures[evaluator.own()];
+            let figure = [figures.p95, figures.rms, figures.p99, figures.mean][form];
+            assert!((value - figure).abs() < 1e-9 * figure, "form {form}: {value} {figure}");
+        }
+    }
 }
 
 /// A worst case has bounds at every posture. An operation at every node needs the best posture of each node.
