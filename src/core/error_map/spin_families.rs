@@ -98,6 +98,13 @@ impl OperationQuery<'_> {
         let SpinFamily { node, branch, first, target, .. } = *family;
         let PostureMemory { scratch, frames, posture, contacts, firsts, .. } = memory;
         let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
+        let judged = |spot, contact| PostureCandidate {
+            spot,
+            target,
+            contact,
+            certainty: Certainty::Value,
+            first: Some(first),
+        };
         let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
         if let Some((contact, certainty)) = family.member {
             if is_useless(contact) {
@@ -114,14 +121,7 @@ impl OperationQuery<'_> {
                 return;
             }
             let value = evaluator.value(context, frames, &mut scratch.evaluator);
-            let spot = Spot { node, branch, value };
-            queue.judged.push(PostureCandidate {
-                spot,
-                target,
-                contact,
-                certainty: Certainty::Value,
-                first: Some(first),
-            });
+            queue.judged.push(judged(Spot { node, branch, value }, contact));
             return;
         }
         let (mut known, mut before) = (None, None);
@@ -147,14 +147,7 @@ impl OperationQuery<'_> {
                     _ => evaluator.value(context, frames, &mut scratch.evaluator),
                 };
                 before = evaluator.ignores_spin().then_some((*frames, value));
-                let spot = Spot { node, branch, value };
-                queue.judged.push(PostureCandidate {
-                    spot,
-                    target,
-                    contact,
-                    certainty: Certainty::Value,
-                    first: Some(first),
-                });
+                queue.judged.push(judged(Spot { node, branch, value }, contact));
             } else {
                 let bound =
                     evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);
