@@ -8,7 +8,9 @@
 //!
 //! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects. The
 //! largest value of such a function is therefore at most the largest value at the corners, plus the value of
-//! the deviations. A percentile of a normal error is not convex. But a percentile grows with the covariance S
+//! the deviations. A nonlinear worst case is at most the linear worst case plus the largest products of two and
+//! more errors. Let A be the sum of all rotations and D the sum of all displacements. Products of order k are
+//! at most `D A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`. A percentile of a normal error is not convex. But a percentile grows with the covariance S
 //! (T. W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer.
 //! Math. Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most
 //! `sqrt(1 + e)` times the percentile at S_0.
@@ -81,9 +83,9 @@ pub struct ValueBound {
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
-    /// Whether the value is a nonlinear worst case, which is evaluated at the worst corners of the linear
-    /// model.
-    searches_corners: bool,
+    /// Whether the value is a nonlinear worst case. The bound is then the linear worst case plus the largest
+    /// products of two and more errors.
+    has_products: bool,
 }
 
 /// Small motion that one error source causes in the chain or at the equipment.
@@ -186,7 +188,7 @@ impl ValueBound {
             is_isotropic,
             totals: if is_linear { (0.0, 0.0) } else { (total(false), total(true)) },
             point: sense.point.norm(),
-            searches_corners: evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear,
+            has_products: evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear,
             motions: all,
         })
     }
@@ -207,12 +209,15 @@ impl ValueBound {
         }
         let mut most: f64 = 0.0;
         corners(chain, boxed, |frames| {
-            most = most.max(evaluator.value(boxed.context, frames, memory));
+            most = most.max(match self.has_products {
+                true => evaluator.linear_worst(boxed.context, frames, memory),
+                false => evaluator.value(boxed.context, frames, memory),
+            });
         });
         let (slid, turned) = self.totals;
-        let missed = if self.searches_corners { 2.0 * turned * (turned * levers[0] + slid) } else { 0.0 };
+        let products = if self.has_products { turned.exp_m1() * (turned * levers[0] + slid) } else { 0.0 };
         let mean = if evaluator.reading == Reading::Statistical { self.mean(boxed, levers[0]) } else { 0.0 };
-        most + self.gain * (rest + missed + mean)
+        most + self.gain * (rest + products + mean)
     }
 
     /// Returns an upper bound of a percentile, m. `rest` is the result of [`Self::rest`], and `lever` is

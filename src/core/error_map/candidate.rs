@@ -23,12 +23,14 @@ pub struct PostureCandidate {
     pub first: Option<usize>,
 }
 
-/// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.
+/// Kind of the value of a candidate: one of three lower bounds, or the value itself. A sharper bound costs
+/// more.
 ///
 /// Among equal values, the least certain value comes first, because the true value is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
     Value,
+    SharpBound,
     Bound,
     RoughBound,
 }

@@ -1,6 +1,7 @@
 //! Queue of spin families and their members, in ascending order of their bounds.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
+use super::outcome::Spot;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -20,6 +21,15 @@ pub struct SpinFamily {
     pub member: Option<(ArmContact, Certainty)>,
     /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
+}
+
+impl SpinFamily {
+    /// Returns a single member as a candidate, whose value is the bound; None for a whole family.
+    pub fn as_candidate(&self) -> Option<PostureCandidate> {
+        let (contact, certainty) = self.member?;
+        let spot = Spot { node: self.node, branch: self.branch, value: self.bound };
+        Some(PostureCandidate { spot, target: self.target, contact, certainty, first: Some(self.first) })
+    }
 }
 
 impl PartialEq for SpinFamily {

@@ -113,7 +113,9 @@ impl OperationQuery<'_> {
                 let is_last = match candidate.certainty {
                     Certainty::Value => true,
                     Certainty::Bound if self.setup.is_priced => !self.is_usable(&candidate, memory),
-                    Certainty::Bound => is_nearest_known && !self.is_free(&candidate, memory),
+                    Certainty::Bound | Certainty::SharpBound => {
+                        is_nearest_known && !self.is_free(&candidate, memory)
+                    }
                     Certainty::RoughBound => false,
                 };
                 if is_last {

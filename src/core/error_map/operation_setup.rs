@@ -90,12 +90,25 @@ impl OperationSetup {
         }
     }
 
-    /// Returns the kind of value that a search computes after a rough bound. This is a sharper bound, or the
-    /// value if a bound would cost as much.
-    pub fn after_rough_bound(&self) -> Certainty {
-        match self.is_priced || self.evaluator.has_sharp_worst_bound() {
-            true => Certainty::Bound,
-            false => Certainty::Value,
+    /// Returns a sharper bound than a bound of the kind `certainty`, or the value. The second part of the
+    /// result states the kind of the first part.
+    pub fn sharpened(
+        &self,
+        certainty: Certainty,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut ValueScratch,
+    ) -> (f64, Certainty) {
+        let searches = !self.is_priced && self.evaluator.has_sharp_worst_bound();
+        match certainty {
+            Certainty::RoughBound if self.is_priced || searches => {
+                (self.bound(Certainty::Bound, context, frames, memory), Certainty::Bound)
+            }
+            Certainty::Bound if searches => {
+                let (worst, is_value) = self.evaluator.searched_worst(context, frames, &mut memory.evaluator);
+                (worst, if is_value { Certainty::Value } else { Certainty::SharpBound })
+            }
+            _ => (self.value(context, frames, memory), Certainty::Value),
         }
     }
 

@@ -96,6 +96,13 @@ impl OperationQuery<'_> {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
         let SpinFamily { node, branch, first, target, .. } = *family;
+        if let Some(member) = family.as_candidate().filter(|_| queue.is_nearest_known) {
+            // A posture that collides needs no value, which costs much more than the check.
+            let is_dear = matches!(member.certainty, Certainty::Bound | Certainty::SharpBound);
+            if is_dear && !self.is_free(&member, memory) {
+                return;
+            }
+        }
         let PostureMemory { scratch, frames, posture, contacts, firsts, .. } = memory;
         let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
         let judged = |spot, contact| PostureCandidate {
@@ -114,14 +121,13 @@ impl OperationQuery<'_> {
                 return;
             };
             chain.place(&posture, frames);
-            if certainty == Certainty::RoughBound && evaluator.has_sharp_worst_bound() {
-                let bound = evaluator.corner_worst(context, frames, &mut scratch.evaluator).max(family.bound);
-                let member = Some((contact, Certainty::Bound));
-                queue.families.push(SpinFamily { bound, member, ..*family });
-                return;
+            let (value, certainty) = self.setup.sharpened(certainty, context, frames, scratch);
+            if certainty == Certainty::Value {
+                queue.judged.push(judged(Spot { node, branch, value }, contact));
+            } else {
+                let member = Some((contact, certainty));
+                queue.families.push(SpinFamily { bound: value.max(family.bound), member, ..*family });
             }
-            let value = evaluator.value(context, frames, &mut scratch.evaluator);
-            queue.judged.push(judged(Spot { node, branch, value }, contact));
             return;
         }
         let (mut known, mut before) = (None, None);

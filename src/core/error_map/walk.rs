@@ -137,8 +137,7 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Replaces the rough bound of a candidate by a sharper bound or by the value, and replaces a sharper
-    /// bound by the value. Returns None if the branch does not exist, or if the errors cannot be computed.
+    /// Replaces the bound of a candidate by a sharper bound or by the value. Returns None if the branch does not exist, or if the errors cannot be computed.
     pub fn sharpened(
         &self,
         candidate: &PostureCandidate,
@@ -148,14 +147,8 @@ impl<'a> OperationQuery<'a> {
         let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
         let posture = arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&posture, frames);
-        let certainty = match candidate.certainty {
-            Certainty::RoughBound => self.setup.after_rough_bound(),
-            Certainty::Bound | Certainty::Value => Certainty::Value,
-        };
-        let value = match certainty {
-            Certainty::Value => self.setup.value(context, frames, scratch),
-            _ => self.setup.bound(certainty, context, frames, scratch).max(candidate.spot.value),
-        };
+        let (value, certainty) = self.setup.sharpened(candidate.certainty, context, frames, scratch);
+        let value = if certainty == Certainty::Value { value } else { value.max(candidate.spot.value) };
         Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, certainty, ..*candidate })
     }
 

@@ -3,6 +3,7 @@
 use super::MAX_SOURCES;
 use super::evaluator::ErrorEvaluator;
 use super::flip_prediction::FlipPrediction;
+use super::pair_gains::PairGains;
 use super::sense_rows::SenseRows;
 use super::work_context::WorkContext;
 use crate::kinematic_error::{Expansion, position_error};
@@ -96,6 +97,15 @@ impl<'a> CornerModel<'a> {
             true
         });
         !all_known || components.norm() + margin >= error.size
+    }
+
+    /// Returns upper bounds of the changes that flips of two signs cause at the corner of
+    /// [`Self::stand_at`]; None if there is no prediction.
+    ///
+    /// `error` must be the error at that corner.
+    pub fn pair_gains(&self, error: &CornerError) -> Option<PairGains> {
+        let flips = self.prediction.as_ref()?;
+        Some(PairGains::new(flips.flips(), flips.weights(), &error.components))
     }
 
     /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order

@@ -47,14 +47,17 @@ type Signs = [f64; MAX_SOURCES];
 /// The error is computed only at corners where it may exceed the largest error so far. The function
 /// [`CornerModel::may_exceed`] predicts whether this is possible. The result is the same as if the error were
 /// computed at every corner.
+///
+/// If `largest` is None, the search leaves out the mixed corners. The second part of the result states whether
+/// the search is complete: it has left out nothing.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     quadratic: f64,
     corner: Signs,
     model: &mut CornerModel,
-    largest: impl FnOnce() -> [Signs; 2],
-) -> WorstCase {
+    largest: Option<impl FnOnce() -> [Signs; 2]>,
+) -> (WorstCase, bool) {
     let starts = both(corner).map(|signs| SearchCorner::new(columns, model.error(&signs), signs));
     let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
     let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
@@ -71,7 +74,8 @@ pub fn by_model(
     } else {
         starts.into_iter().for_each(|start| search.polish(start));
     }
-    if count > MAX_FREE {
+    let is_complete = count <= MAX_FREE || largest.is_some();
+    if let Some(largest) = largest.filter(|_| count > MAX_FREE) {
         for mut signs in largest().into_iter().flat_map(both) {
             (0..columns.len()).filter(|k| !is_weak(k)).for_each(|k| signs[k] = corner[k]);
             for signs in both(signs) {
@@ -81,7 +85,7 @@ pub fn by_model(
     }
     let exact = linear.upper <= linear.value;
     let (by_model, corner) = search.best.unwrap_or((f64::NEG_INFINITY, corner));
-    WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }
+    (WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }, is_complete)
 }
 
 /// Returns a corner and the opposite corner.
@@ -195,7 +199,12 @@ impl CornerSearch<'_, '_> {
     /// there is no such pair.
     fn flip_pair(&mut self, at: &mut SearchCorner) -> bool {
         let n = self.columns.len();
-        (0..n).any(|j| (j + 1..n).any(|k| self.flip(at, 1 << j | 1 << k)))
+        let gains = self.model.pair_gains(&at.error);
+        let is_hopeless = |j: usize| gains.as_ref().is_some_and(|gains| !gains.may_increase_with(j, n));
+        let may_increase = |j: usize, k: usize| gains.as_ref().is_none_or(|gains| gains.may_increase(j, k));
+        (0..n)
+            .filter(|&j| !is_hopeless(j))
+            .any(|j| (j + 1..n).any(|k| may_increase(j, k) && self.flip(at, 1 << j | 1 << k)))
     }
 
     /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error

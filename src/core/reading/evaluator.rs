@@ -203,7 +203,7 @@ impl ErrorEvaluator {
                 self.measure(&self.sense, context, frames).size(&error)
             }
             Reading::WorstCase => {
-                self.prepare(context, frames, memory);
+                self.prepare_effects(context, frames, memory);
                 self.worst(&self.sense, context, frames, memory).by_model
             }
             Reading::Statistical if self.takes_zero_spin => {

@@ -238,7 +238,18 @@ impl FlipPrediction {
 
     /// Returns the predicted flip of source `k`; None if there is no such source.
     pub fn flip_of(&self, k: usize) -> Option<&PredictedFlip> {
-        self.flips[..self.sources.len()].get(k)
+        self.flips().get(k)
+    }
+
+    /// Returns the predicted flips of all sources.
+    pub fn flips(&self) -> &[PredictedFlip] {
+        &self.flips[..self.sources.len()]
+    }
+
+    /// Returns the norm of the rows that measure the position, and the norm of the rows that measure the
+    /// rotation.
+    pub fn weights(&self) -> [f64; 2] {
+        self.weights
     }
 
     /// Returns an upper bound of the interaction of a flip with earlier flips.

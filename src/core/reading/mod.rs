@@ -33,6 +33,7 @@ mod monte_carlo;
 pub mod norm;
 #[doc(hidden)] // public for tests/maths
 pub mod normal_quantile;
+mod pair_gains;
 mod position_factors;
 mod position_moments;
 mod posture_errors;

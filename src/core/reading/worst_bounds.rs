@@ -69,6 +69,27 @@ impl ErrorEvaluator {
         [corner, corner.map(|s| -s)].iter().map(|corner| model.error(corner).size).fold(0.0, f64::max)
     }
 
+    /// Returns the worst case by the linear model at a posture, or an upper bound of it.
+    pub fn linear_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
+        self.prepare_effects(context, frames, memory);
+        let measure = self.measure(&self.sense, context, frames);
+        let (linear, _) = self.linear_corner(&measure, memory);
+        linear.upper.max(linear.value)
+    }
+
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture, and whether the bound is the
+    /// worst case itself. The bound is the result of a local search that leaves out most starting corners.
+    pub fn searched_worst(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> (f64, bool) {
+        self.prepare_effects(context, frames, memory);
+        let (found, is_complete) = self.worst_found(&self.sense, context, frames, false, memory);
+        (found.by_model, is_complete)
+    }
+
     /// Returns an upper bound of the products of two and more errors at any corner; None if no bound is
     /// known.
     pub(super) fn largest_products(

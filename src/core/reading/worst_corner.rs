@@ -13,7 +13,7 @@ use nalgebra::Vector6;
 
 impl ErrorEvaluator {
     /// Returns the largest size of the error in a [`Sense`] over the tolerance box, at a posture. Call
-    /// [`Self::prepare`] first.
+    /// [`Self::prepare_effects`] first.
     pub fn worst(
         &self,
         sense: &Sense,
@@ -21,24 +21,39 @@ impl ErrorEvaluator {
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> WorstCase {
+        self.worst_found(sense, context, frames, true, memory).0
+    }
+
+    /// Returns the largest size of the error that the local search finds, and whether this search is complete.
+    /// Call [`Self::prepare_effects`] first.
+    ///
+    /// If `all` is false, the search starts only at the worst corner of the linear model and at the opposite
+    /// corner. The result of an incomplete search is a lower bound of the result of a complete search.
+    pub(super) fn worst_found(
+        &self,
+        sense: &Sense,
+        context: &WorkContext,
+        frames: &Frames,
+        all: bool,
+        memory: &mut EvaluatorScratch,
+    ) -> (WorstCase, bool) {
         let measure = self.measure(sense, context, frames);
         let n = self.sources.list.len();
         let of_mean = usize::from(self.mean.is_some());
+        let (linear, corner) = self.linear_corner(&measure, memory);
         if self.model == Model::Linear {
-            let (linear, corner) = self.linear_corner(&measure, memory);
             let exact = linear.upper <= linear.value;
             let linear = linear.upper.max(linear.value);
-            return WorstCase { linear, exact, by_model: linear, corner };
+            return (WorstCase { linear, exact, by_model: linear, corner }, true);
         }
-        let (linear, corner) = self.linear_corner(&measure, memory);
         let quadratic = self.quadratic(&memory.effects);
         let EvaluatorScratch { expansion, effects, columns, scratch, flips, .. } = memory;
         let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips.as_deref_mut());
         let columns = &columns[..n + of_mean];
-        let largest = || self.largest(effects, scratch);
-        let mut worst = by_model(columns, &linear, quadratic, corner, &mut model, largest);
+        let largest = all.then_some(|| self.largest(effects, scratch));
+        let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corner, &mut model, largest);
         worst.corner = self.signs_of_sources(&worst.corner);
-        worst
+        (worst, is_complete)
     }
 
     /// Converts a corner of the local search to signs of the sources. In the local search, the mean also has

@@ -173,3 +173,63 @@ fn the_nonlinear_worst_case_agrees_with_every_corner() {
         assert!((worst.linear - want).abs() < if sense == "xyz" { 0.02 } else { 0.2 } * want, "{sense}");
     }
 }
+
+/// No flip of one or two signs at the worst corner increases the error, if it changes the linear error by less
+/// than 1 %. Small linear effects and large rotations make products of errors matter.
+#[test]
+fn no_two_flips_increase_the_worst_case_of_many_sources() {
+    let mut rng = ChaCha8Rng::seed_from_u64(51);
+    let (mut checked, mut partial) = (0, 0);
+    for k in 0..cases(60, 600) {
+        let axes = rng.random_range(4..=7);
+        let robot = random_robot(&mut rng, axes);
+        let turned = [1e-3, 8e-3][k % 2];
+        let value = |p: Parameter| match p {
+            _ if p.is_elastic() || rng.random_bool(0.3) => 0.0,
+            Parameter::Dl(_) | Parameter::Dr(_) => rng.random_range(0.0..1e-4),
+            Parameter::Tool(component) | Parameter::Base(component) | Parameter::Joint(_, component)
+                if component < 3 =>
+            {
+                1e-4
+            }
+            _ => rng.random_range(0.0..turned),
+        };
+        let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+        let sample = SignedErrors::of_values("drawn".into(), axes, &values);
+        let (sense, kept) = SENSES[k / 2 % 5];
+        let mut cell = cell_of(robot, ErrorSet::Signed(sample).tolerance(), Sense::plain(sense).unwrap());
+        (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
+        let evaluator = gauge_of(&cell);
+        let (chain, mut memory) = (Chain::new(&cell.robot), evaluator.memory());
+        let list = &evaluator.sources.list;
+        for sample in 0..3 {
+            let frames = chain.frames(&chain.posture(&chain.halton_sample(3 * k + sample)));
+            evaluator.prepare(&alone(), &frames, &mut memory);
+            let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory);
+            let size = |signs: &[f64], model| {
+                let values: Vec<f64> = list.iter().zip(signs).map(|(s, sign)| s.plus_minus * sign).collect();
+                let e = position_error(&frames, &evaluator.sources.perturbation(&chain, &values), model);
+                Vector3::from(kept).component_mul(&e).norm()
+            };
+            let (found, is_complete) = evaluator.searched_worst(&alone(), &frames, &mut memory);
+            assert!(found <= worst.by_model && (!is_complete || found == worst.by_model));
+            partial += usize::from(!is_complete);
+            let mut signs = worst.corner[..list.len()].to_vec();
+            let (least, linear) = (worst.by_model, size(&signs, Model::Linear));
+            assert!((size(&signs, Model::Nonlinear) - least).abs() <= 1e-12 * least);
+            for i in 0..list.len() {
+                for j in i..list.len() {
+                    signs[i] = -signs[i];
+                    signs[j] = if j == i { signs[j] } else { -signs[j] };
+                    let (there, flat) = (size(&signs, Model::Nonlinear), size(&signs, Model::Linear));
+                    let is_near = (flat - linear).abs() <= 0.01 * worst.linear;
+                    assert!(!is_near || there <= least * (1.0 + 1e-12), "{sense} {i} {j}: {there} {least}");
+                    checked += usize::from(is_near);
+                    signs[i] = -signs[i];
+                    signs[j] = if j == i { signs[j] } else { -signs[j] };
+                }
+            }
+        }
+    }
+    assert!(checked > 10_000 && partial > 30, "{checked} {partial}");
+}
