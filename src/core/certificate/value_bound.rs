@@ -6,14 +6,18 @@
 //! from f by at most the sum of `h_t^2 / 2 max |d2f/dt2|` over all axes t. Second derivatives of an effect
 //! are products of unit axes and one lever arm, so the lever arms bound them.
 //!
-//! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects. The
-//! largest value of such a function is therefore at most the largest value at the corners, plus the value of
-//! the deviations. A nonlinear worst case is at most the linear worst case plus the largest products of two and
-//! more errors. Let A be the sum of all rotations and D the sum of all displacements. Products of order k are
-//! at most `D A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`. A percentile of a normal error is not convex. But a percentile grows with the covariance S
-//! (T. W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer.
-//! Math. Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most
-//! `sqrt(1 + e)` times the percentile at S_0.
+//! The size of a signed sample, the linear worst case, the RMS and the mean are convex functions of the
+//! effects. The largest value of such a function is therefore at most the largest value at the corners, plus
+//! the value of the deviations.
+//!
+//! A nonlinear worst case is at most the linear worst case plus the largest products of two and more errors.
+//! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most `D
+//! A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`.
+//!
+//! A percentile of a normal error is not convex. But a percentile grows with the covariance S (T. W. Anderson,
+//! "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math. Soc. 6,
+//! 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)` times the
+//! percentile at S_0.
 
 use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};

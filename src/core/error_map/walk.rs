@@ -137,7 +137,8 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Replaces the bound of a candidate by a sharper bound or by the value. Returns None if the branch does not exist, or if the errors cannot be computed.
+    /// Replaces the bound of a candidate by a sharper bound or by the value. Returns None if the branch does
+    /// not exist, or if the errors cannot be computed.
     pub fn sharpened(
         &self,
         candidate: &PostureCandidate,

@@ -345,22 +345,27 @@ impl<'a> Task<'a> {
         let chain = self.workcell.inverse().chain();
         let spun = [(0, self.turned_first), (chain.axes() - 1, self.last.is_some())];
         let (evaluator, situation) = (self.evaluator, &self.situation);
-        // A posture needs no value if a cheap lower bound of this value reaches the least value found.
-        let mut judge = |q: JointVector, least: f64| {
+        let mut best = (f64::INFINITY, self.joints(y));
+        let mut judge = |q: JointVector, best: &mut (f64, JointVector)| {
             let frames = chain.frames(&chain.posture(&q));
-            let is_worse = least.is_finite()
-                && evaluator.has_sharp_worst_bound()
-                && evaluator.corner_worst(situation, &frames, memory) >= least;
-            (!is_worse).then(|| (evaluator.value(situation, &frames, memory), q))
+            // A posture needs no value if a cheap lower bound of this value reaches the least value found.
+            let is_bounded = best.0.is_finite() && evaluator.has_sharp_worst_bound();
+            if is_bounded && evaluator.corner_worst(situation, &frames, memory) >= best.0 {
+                return;
+            }
+            let value = evaluator.value(situation, &frames, memory);
+            if value < best.0 {
+                *best = (value, q);
+            }
         };
-        let mut best = judge(self.joints(y), f64::INFINITY).unwrap_or((f64::INFINITY, self.joints(y)));
+        judge(best.1, &mut best);
         for (joint, _) in spun.into_iter().filter(|(_, is_spun)| *is_spun) {
             let (low, high) = chain.links[joint].limits;
             let (turn, from) = ((high - low).min(TAU), best.1);
             for k in 0..WITNESS_ANGLES {
                 let mut q = from;
                 q[joint] = low + turn * k as f64 / WITNESS_ANGLES as f64;
-                best = judge(q, best.0).filter(|found| found.0 < best.0).unwrap_or(best);
+                judge(q, &mut best);
             }
         }
         best

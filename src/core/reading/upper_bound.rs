@@ -50,10 +50,9 @@ impl ErrorEvaluator {
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> Option<f64> {
-        self.prepare_effects(context, frames, memory);
+        let linear = self.linear_worst(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
         let products = self.largest_products(&measure, context, frames, memory)?;
-        let (linear, _) = self.linear_corner(&measure, memory);
-        Some((linear.upper.max(linear.value) + products) * (1.0 + ROUNDING))
+        Some((linear + products) * (1.0 + ROUNDING))
     }
 }
