@@ -341,7 +341,7 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
     let height = format!("{HEIGHTS}600,610");
     // The other search keeps two layouts, so its checkpoints never match, even if they contain few layouts.
     let keep = ["--set", "search.keep=2"];
-    let args = [&["sweep", CELL, "--budget", "2000", "--jobs", "1", "--set", &height], &keep[..]].concat();
+    let args = [&["sweep", CELL, "--budget", "500", "--jobs", "1", "--set", &height], &keep[..]].concat();
     shop.done(&[&args[..], &["--out", "straight"]].concat());
     let put = |said: &str, text: &[u8]| {
         let folder = format!("shared{}", text.len());
