@@ -11,8 +11,8 @@
 //! the value of the deviations.
 //!
 //! A nonlinear worst case is at most the linear worst case plus the largest products of two and more errors.
-//! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most `D
-//! A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`.
+//! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most
+//! `D A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`.
 //!
 //! A percentile of a normal error is not convex. But a percentile grows with the covariance S (T. W. Anderson,
 //! "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math. Soc. 6,
