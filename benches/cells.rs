@@ -26,7 +26,8 @@ const ROUNDS: usize = 5;
 const SECONDS: f64 = 0.3;
 /// Number of evaluations of the search for the plausible layouts.
 const BUDGET: u64 = 200;
-/// Names of cells of the folder `cells`, and of a cell of the folder `benches` with two readings.
+/// Paths of cell files without their extension. A name without a folder is in the folder `cells`. The last
+/// two files state two readings of one cell, and are in the folder `benches`.
 const CELLS: [&str; 14] = [
     "hitachi_cell",
     "ur_cell",

@@ -103,7 +103,8 @@ fn ur5(c: &mut Criterion) {
     });
 }
 
-/// Measures arms without a closed form: the rows of the named arms, disturbed by up to `size` (rad and m).
+/// Measures arms without a closed form. Each arm has the D-H rows of a PUMA 560 or a UR5, with every value
+/// changed by up to `size` (rad and m).
 ///
 /// With small disturbances, Newton's method refines the closed form. With large disturbances, only the
 /// elimination for general arms can be used. About half of the poses are then out of reach.

@@ -1,5 +1,6 @@
 //! Benchmarks of the layers of an evaluation, on the shipped cells: a node, a map of 99 nodes, the
-//! collision check of one posture, and others. `evaluate` runs on random and on plausible layouts.
+//! collision check of one posture, and others. `evaluate` runs on random layouts, and on plausible
+//! layouts, which place the equipment around the robot.
 //!
 //! `cargo bench --bench layers` runs them. The 2000 layouts are in tests/data: 1000 random, then 1000
 //! plausible.
@@ -178,7 +179,7 @@ fn collision(c: &mut Criterion) {
 /// Measures `evaluate` on 1000 layouts per iteration, so that the order of the layouts does not matter.
 ///
 /// The cases without collision checks measure inverse kinematics, limits and errors. The "judged" case also
-/// switches off the ranking of nodes, so that every node is judged.
+/// switches off the ranking of nodes by their lower bounds. Every node is then judged: its error is computed.
 fn evaluate(c: &mut Criterion) {
     let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_ideal.toml");

@@ -32,11 +32,11 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
 /// Seeds of the studies whose fits are slow.
 const FEW_SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
 const SERIES: [&str; 4] = ["A", "B", "C", "D"];
-/// Least number of poses with which a spot counts.
+/// Least number of poses of a spot. Spots with fewer poses are left out.
 const POSES_OF_SPOT: usize = 10;
 
-/// Function that returns the figure of a commanded position (base frame, m) by which a rule of thumb
-/// ranks spots.
+/// Rule of thumb that ranks spots: a function of the commanded position (base frame, m). A small value
+/// predicts a small error.
 type Rule<'a> = &'a dyn Fn(&Vector3<f64>) -> f64;
 /// Function that prints the figures of one study.
 type Study = fn(&Data);
@@ -237,8 +237,8 @@ fn spearman(a: &[f64], b: &[f64]) -> f64 {
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
 
-/// Prints how well calibrations with poses of series B rank the spots of series A, compared with the
-/// tracker.
+/// Prints how well predicted errors rank the spots of series A by the errors that the tracker has measured.
+/// The predictions come from calibrations with poses of series B, and from rules of thumb.
 fn rank(data: &Data) {
     let measured = data.of_spots(&data.nominal_errors(data.series[0].iter().map(|m| m.position)));
     let (least, most) = (quantile(&measured, 0.0), quantile(&measured, 1.0));

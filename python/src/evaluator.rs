@@ -204,9 +204,9 @@ impl Evaluator {
     /// Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
     ///
     /// The cost of a layout within every limit is its objective, in `unit`. A layout that misses a limit
-    /// costs more than 100 times the weight of the objective, in m, rad or shares, which is converted to
-    /// `unit`. An infeasible layout costs at least 1000 times that weight. The cost of such a layout
-    /// increases with its distance from feasibility.
+    /// costs more than 100 times the weight of the objective. An infeasible layout costs at least 1000 times
+    /// the weight of the objective. The weight is a number of m, rad or shares, and is converted to `unit`.
+    /// The cost of an infeasible layout increases with its distance from feasibility.
     #[pyo3(signature = (layouts, *, units=false))]
     fn __call__<'py>(
         &self,

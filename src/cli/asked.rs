@@ -49,7 +49,7 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
 }
 
 /// Loads a cell for a search, and prints notes. Refuses `--set`. Refuses `--sense` if a limit in the cell
-/// file has a different unit from the sense. `--limit` must then replace that limit.
+/// file has a different unit from the sense, unless `--limit` replaces that limit.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;

@@ -108,7 +108,8 @@ fn owner() -> String {
     format!("process {}: sweetspot {}", std::process::id(), arguments::typed().join(" "))
 }
 
-/// Returns whether the path still names this open file. The previous owner of the lock may have deleted it.
+/// Returns whether the path still names this open file. The previous owner of the lock may have deleted
+/// the file.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

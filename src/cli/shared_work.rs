@@ -17,7 +17,7 @@ pub const MAX_LOSSES: u32 = 6;
 /// network share may show these files late.
 const LATE_LEASES: u32 = 3;
 
-/// Number of heartbeats in one lease, so that a few heartbeats may be late.
+/// Number of heartbeats in one lease. It is greater than 1 so that a late heartbeat does not end the lease.
 pub const BEATS_PER_LEASE: u32 = 6;
 
 /// Next step of a worker.

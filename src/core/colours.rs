@@ -11,7 +11,8 @@ const VIRIDIS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Blue of the palette of Okabe and Ito (2008), to which the colours declared below also belong.
+/// Blue of the palette of Okabe and Ito (2008). The constants from [`ORANGE`] to [`SKY`] belong to the same
+/// palette.
 pub const BLUE: &str = "#0072b2";
 pub const ORANGE: &str = "#e69f00";
 pub const GREEN: &str = "#009e73";

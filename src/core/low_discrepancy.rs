@@ -1,8 +1,8 @@
 //! Low-discrepancy sequences: deterministic points that fill the unit cube more evenly than random points.
 //!
-//! - Halton: the radical inverse of the number of the point, with one of the first primes as base for each
-//!   coordinate (J. H. Halton, "On the efficiency of certain quasi-random sequences of points in evaluating
-//!   multi-dimensional integrals", Numerische Mathematik 2, 1960).
+//! - Halton: coordinate k is the radical inverse of the point number, with the k-th prime as base (J. H.
+//!   Halton, "On the efficiency of certain quasi-random sequences of points in evaluating multi-dimensional
+//!   integrals", Numerische Mathematik 2, 1960).
 //! - R_d, where d is the number of dimensions: multiples of the powers of a generalized golden ratio, modulo
 //!   1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 //! - Richtmyer: multiples of the square roots of the primes, modulo 1 (R. D. Richtmyer, "The evaluation of

@@ -15,7 +15,7 @@ pub enum Severity {
     Warning,
 }
 
-/// Kind of a fault, which decides the exit code, and whether a command repeats a warning.
+/// Kind of a fault. The kind decides the exit code and whether a command prints a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
     /// Wrong content, or an unreadable file other than the cell or robot file itself.

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Calibration of an arm of Universal Robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StatedCalibration {
-    /// Frame of every joint in the frame that follows the preceding joint, and the hash of the calibration.
+    /// Frame of every joint in the link that the preceding joint moves, and the hash of the calibration.
     Frames { frames: Vec<Pose>, hash: Option<String> },
     /// Differences of theta (rad), a (m), d (m) and alpha (rad) from the nominal rows.
     Rows { theta: Vec<f64>, a: Vec<f64>, d: Vec<f64>, alpha: Vec<f64> },
@@ -24,7 +24,7 @@ const COMPONENTS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 /// Keys of the rows in `calibration.conf`.
 const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 
-/// Magnitude from which a number is neither a length (m) nor an angle (rad) of an arm.
+/// Least magnitude of a number that is too large for a length (m) or angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
 /// Largest number of lines of a file that states a calibration.
@@ -97,7 +97,7 @@ pub fn read_yaml(file: &str, text: &str) -> Result<StatedCalibration, Vec<Fault>
     faults.or(StatedCalibration::Frames { frames, hash })
 }
 
-/// Help for a YAML file with other keys.
+/// Help text that states which keys the YAML file needs.
 const LAYOUT: &str = "give `kinematics:` with shoulder, upper_arm, forearm, wrist_1, wrist_2 and wrist_3, each \
                       with x, y, z, roll, pitch and yaw, as the driver of Universal Robots writes it";
 

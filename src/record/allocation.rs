@@ -35,8 +35,8 @@ pub struct AllocationDocument {
     pub cost_before: f64,
     /// Least cost found; null if the limits cannot be kept.
     pub cost: Option<f64>,
-    /// Proven lower bound of the cost; null if infeasible. The proof uses the linear model, scaled to the
-    /// figures of the full error model.
+    /// Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to
+    /// match the error model of the cell.
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
@@ -49,7 +49,7 @@ pub struct AllocationDocument {
     pub requirements: Vec<AllocationRequirement>,
     /// Limits that even the tightest tolerances exceed.
     pub shortfalls: Vec<ShortfallEntry>,
-    /// Judgement of the tolerances by the full error model; null if infeasible.
+    /// Judgement of the tolerances by the error model of the cell; null if infeasible.
     pub judgement: Option<JudgementEntry>,
 }
 
@@ -59,7 +59,7 @@ pub struct AllocationDocument {
 pub enum AllocationStatus {
     /// The tolerances meet all limits at the least cost.
     Cheapest,
-    /// The figures of the full error model still exceed a limit after the last round of adaptation.
+    /// A figure that the error model of the cell gives still exceeds its limit after the last round.
     Exceeded,
     /// Even the tightest tolerances exceed a limit.
     Infeasible,
@@ -147,7 +147,8 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Tightest permitted tolerances that keep the figure above the limit, the most effective first.
+    /// Tightest permitted tolerances that contribute to the excess. The tolerance whose removal lowers the
+    /// figure most comes first.
     pub in_the_way: Vec<BoundEntry>,
 }
 
@@ -162,18 +163,19 @@ pub struct BoundEntry {
     pub without: f64,
 }
 
-/// Judgement of the tolerances by the full error model.
+/// Judgement of the tolerances by the error model of the cell.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess over a limit that the full error model finds for the first solution, percent. Negative
-    /// if the solution meets all limits.
+    /// Largest excess of a judged figure over its limit after the first round, percent. Negative if the
+    /// solution meets all limits.
     pub missed_percent: f64,
-    /// Number of rounds that adapted the linear requirements to the full model.
+    /// Number of rounds after the first until the solution. Each round adapts the linear figures to the
+    /// judged figures.
     pub rounds: usize,
-    /// Number of rounds that Monte Carlo samples caused.
+    /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,
-    /// Largest excess over a limit at the end, percent; negative if all limits are met.
+    /// Largest excess over a limit for the final tolerances, percent; negative if all limits are met.
     pub excess_percent: f64,
     /// Number of cone programs that were solved for the last solution.
     pub programs: usize,
@@ -268,7 +270,8 @@ fn rounded_up(gap: f64) -> f64 {
     nine_digits((gap * 1e9).ceil() / 1e9)
 }
 
-/// Returns the end of a range that is within a relative distance of 1e-6 of a scale; None if neither end is.
+/// Returns the end of the range that lies within a relative distance of 1e-6 of the scale `u`. Returns None
+/// if both ends are farther away.
 fn end_of(u: f64, (low, high): (f64, f64)) -> Option<ToleranceEnd> {
     let near = |end: f64| (u - end).abs() <= 1e-6 * end;
     match (near(high), near(low)) {

@@ -47,8 +47,8 @@ pub struct OperationBudget {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are not
-    /// tolerances, because measured errors compensate each other in one calibrated arm.
+    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
+    /// the errors of the sample compensate each other in one calibrated arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
@@ -94,7 +94,8 @@ pub struct ShareEntry {
     pub signed: f64,
     pub plus_minus: f64,
     /// Linear position error of the TCP that the parameter causes, in the world frame. In the signed reading,
-    /// the parameter has its signed value, otherwise the upper limit of its tolerance.
+    /// the parameter has its signed value. In any other reading, the parameter deviates from its mean by the
+    /// half width of its tolerance.
     pub linear_term_mm: [f64; 3],
     /// Linear error in the sense of the operation if this parameter is at its tolerance and all other
     /// parameters are 0.

@@ -34,7 +34,8 @@ pub struct CalibrationDocument {
     /// Periodic errors of the joints; empty if none were requested.
     #[serde(default)]
     pub harmonics: Vec<HarmonicsEntry>,
-    /// Number of combinations of parameters whose standard deviation the data reduce to less than half.
+    /// Number of combinations of parameters that the data determine. The data reduce the standard deviation
+    /// of each such combination to less than half.
     pub rank: usize,
     /// Combinations of parameters that the data do not determine.
     pub unidentified: Vec<String>,
@@ -56,7 +57,7 @@ pub struct MisfitEntry {
     pub position_mm: f64,
 }
 
-/// Measured position that the misfit does not explain.
+/// Outlier: measured position that is more than six standard deviations from the prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutlierRow {
@@ -190,8 +191,8 @@ impl OutlierRow {
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {
     pub joint: String,
-    /// Prior standard deviation of a coefficient of the highest order; the fit determines this value.
-    /// Orders up to 4 have twice the standard deviation of higher orders.
+    /// Prior standard deviation of a coefficient of the highest order. The fit estimates this value together
+    /// with the coefficients. Orders up to 4 have twice the standard deviation of higher orders.
     pub prior_deg: f64,
     /// Root mean square of the identified error over one revolution of the joint.
     pub rms_deg: f64,

@@ -81,7 +81,7 @@ pub struct AccuracyQuantiles {
     pub p5_mm: f64,
     /// 95th percentile: 95 % of the robots are better.
     pub p95_mm: f64,
-    /// Median over the robots of the worst of the five poses.
+    /// Median over the robots of the pose accuracy AP at the worst of the five poses.
     pub worst_pose_mm: f64,
 }
 

@@ -311,8 +311,7 @@ pub struct MonteCarloEntry {
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
     /// replace the first-order figures of the spot. The value and margin of the operation are then also
-    /// computed from the samples. An exception is a value that is robust or combines several nodes: such a
-    /// value remains first-order.
+    /// computed from the samples. A robust value, or a value that combines several nodes, stays first-order.
     pub first_order_holds: Option<bool>,
 }
 
@@ -347,8 +346,8 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over all
-    /// moves.
+    /// Sum over the straight moves, degrees: each move counts with the largest travel of a joint. The sum is
+    /// a measure of the transfer time.
     pub travel_deg: f64,
     /// Joint vectors along the motion, which is a straight line in joint space from each vector to the next.
     pub joints_deg: Vec<Vec<f64>>,

@@ -21,7 +21,8 @@ pub struct ComparedFile {
     pub measured: AccuracyEntry,
     /// Statistics of the predicted sizes of the errors of the nominal robot.
     pub predicted: AccuracyEntry,
-    /// Whether the random part of the errors counts in the predicted sizes, which are then root mean squares.
+    /// Whether the predicted sizes include the random part of the errors. Sizes that include this part are
+    /// root mean squares.
     pub predicted_rms: bool,
     /// Statistics of the measured minus the predicted errors.
     pub residual: AccuracyEntry,
@@ -31,7 +32,7 @@ pub struct ComparedFile {
     /// of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    /// misfit of a calibration changes from pose to pose. Null unless the errors are measured.
+    /// misfit of a calibration is an example of such errors. Null unless the errors are measured.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
     /// measured sizes are equal.
@@ -68,8 +69,8 @@ pub struct ComparedPosition {
     pub inside_95: Option<bool>,
 }
 
-/// Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its
-/// poses.
+/// Spots of a file, ranked by their errors. A spot is a commanded position. The error of a spot is the mean
+/// error of its poses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpotRankingEntry {

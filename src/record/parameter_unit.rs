@@ -20,7 +20,7 @@ pub enum ParameterUnit {
     /// Deflection of a joint per torque, degrees per N m.
     #[serde(rename = "deg/Nm")]
     AnglePerTorque,
-    /// Share of a stated error.
+    /// Factor of the periodic error of a joint, without a unit.
     #[serde(rename = "1")]
     Share,
 }
@@ -74,7 +74,7 @@ impl ParameterUnit {
         nine_digits(self.from_si(value))
     }
 
-    /// Converts an effect per SI unit of a parameter to the effect, in mm, per unit that documents use.
+    /// Converts the effect of a parameter from m per SI unit to mm per unit of documents.
     pub fn effect_mm(self, effect: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Length => *effect,

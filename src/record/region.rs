@@ -22,7 +22,7 @@ pub struct RegionEntry {
     /// an odd number of rings. If the search moves the piece along one axis only, the only ring is a line of
     /// two points. The list is empty if the search moves the piece along neither axis.
     pub outline_mm: Vec<Vec<[f64; 2]>>,
-    /// Width of the rim along the outline in which the region is not resolved.
+    /// Width of a band along the outline. In this band, the result does not distinguish inside from outside.
     pub rim_mm: f64,
     /// Least and greatest z, at the x, y and yaw of the layout.
     pub z_mm: [f64; 2],

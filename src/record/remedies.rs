@@ -23,7 +23,7 @@ pub struct RemediesDocument {
     pub robot: String,
     /// Name of the error set.
     pub errors: String,
-    /// Name of the figure that the columns state.
+    /// Name of the figure by which the remedies are compared.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     /// Unit of the values.
@@ -34,7 +34,8 @@ pub struct RemediesDocument {
     pub evaluations: u64,
     /// One entry for each remedy: none, calibrate, move, both.
     pub remedies: Vec<RemedyEntry>,
-    /// Remedies that are each sufficient alone; empty if no remedy helps.
+    /// Advised remedies, each of which is sufficient without the others. Empty if no remedy gives a feasible
+    /// layout within every limit.
     pub advised: Vec<Remedy>,
     /// Advice in words.
     pub advice: String,

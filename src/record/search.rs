@@ -83,7 +83,7 @@ pub struct SearchResult {
     /// within every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
-    /// Regions in which each piece that the search places may also stand.
+    /// One region for each piece that the search places. The piece may stand anywhere in its region.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
     /// Rotation of all pieces together about the base axis. The rotation does not change the errors. Null if

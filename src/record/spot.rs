@@ -65,7 +65,8 @@ pub struct RequirementEntry {
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` replaces the value.
     pub margin: f64,
-    /// Whether the limit is met. The limit counts as missed if `worst` is needed but no bound is known.
+    /// Whether the limit is met. The limit counts as missed if the layout must withstand misplacements but
+    /// `worst` is not known.
     pub met: bool,
 }
 

@@ -33,7 +33,8 @@ pub struct SweepPlan {
     /// Whether a search runs for every combination. If false, the layout of the cell file is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
-    /// Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep.
+    /// Flags of `search --islands`, which apply to every island. The seeds of the islands are in `sets`.
+    /// Absent in the plan of a sweep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub island_flags: Option<Vec<Setting>>,
     /// Seed of every combination; null means the seed of the cell.

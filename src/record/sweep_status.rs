@@ -50,7 +50,8 @@ pub struct FailedCombination {
     pub host: Option<String>,
     pub process: Option<u32>,
     pub why: String,
-    /// Whether so many workers have died at the combination that no worker of `sweep --claim` takes it over.
+    /// Whether the combination is given up, because too many workers have died while they processed it. No
+    /// worker of `sweep --claim` takes over such a combination.
     pub given_up: bool,
 }
 

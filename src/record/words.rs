@@ -26,7 +26,7 @@ pub fn reading_word(cell: &Cell) -> &'static str {
 /// cases".
 ///
 /// The phrase is used if a worst-case or statistical reading combines several operations. The figures of
-/// the operations may then belong to different arms. No single arm need have the combined value.
+/// the operations may then belong to different arms. There may be no single arm with the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;

@@ -5,7 +5,7 @@ use crate::files::toml_string;
 use crate::units::{deg_from_rad, mm_from_m};
 use std::fmt::Write;
 
-/// Keys of the rows, with the key of their distributions.
+/// Keys of the rows of an error set, each with its key in the table `distribution`.
 const ROWS: [(&str, &str); 6] = [
     ("dq_deg", "dq"),
     ("dq_mm", "dq"),

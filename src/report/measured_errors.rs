@@ -102,8 +102,8 @@ fn periodic(calibration: &Calibration) -> String {
     format!("periodic = [\n{entries}]\n")
 }
 
-/// Returns the covariance of the identified parameters and of the errors that these parameters do not
-/// explain, with all digits.
+/// Returns the table `covariance` of the robot file, with all digits of its numbers. The covariance includes
+/// the errors that the identified parameters do not explain (misfit).
 ///
 /// The misfit of a joint is stated as a variance of its coordinate. This variance includes the uncertainty of
 /// the periodic error of the joint. The misfit of positions is stated as a variance of the TCP position.
@@ -153,9 +153,10 @@ fn scale(robot: &Robot, parameter: Parameter) -> f64 {
     }
 }
 
-/// Returns the parameter of an unknown with the row number of the robot file.
+/// Converts an unknown of the fit to a parameter of the robot file.
 ///
-/// A modified row begins with the common normal at the end of the standard row before it.
+/// The fit numbers standard rows. If the robot file has modified rows, the common normal of standard row `i`
+/// belongs to the modified row `i + 1`.
 fn of_file(robot: &Robot, unknown: Unknown) -> Parameter {
     let shift = usize::from(robot.convention == Convention::Modified);
     match unknown {

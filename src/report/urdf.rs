@@ -1,8 +1,8 @@
 //! Static URDF of a layout. Links for the robot base, the equipment, the obstacles and the spots are joined
 //! to the world.
 //!
-//! Lengths are in m and angles in rad, as in every URDF. The robot itself is not part of the file. A fixed
-//! joint connects the URDF of the robot to the link [`ROBOT_BASE`].
+//! Lengths are in m and angles in rad, as in every URDF. The robot itself is not part of the file. The
+//! user connects the URDF of the robot to the link [`ROBOT_BASE`] by a fixed joint.
 
 use super::identifiers::Identifiers;
 use super::layout_frames::NamedFrame;

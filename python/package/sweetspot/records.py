@@ -31,7 +31,7 @@ class AccuracyQuantiles(Record):
     p95_mm: float
     """95th percentile: 95 % of the robots are better."""
     worst_pose_mm: float
-    """Median over the robots of the worst of the five poses."""
+    """Median over the robots of the pose accuracy AP at the worst of the five poses."""
 
 
 class AllocatedEntry(Record):
@@ -81,8 +81,8 @@ class AllocationDocument(Record):
     cost: Optional[float]
     """Least cost found; null if the limits cannot be kept."""
     lower_bound: Optional[float]
-    """Proven lower bound of the cost; null if infeasible. The proof uses the linear model, scaled to the figures
-    of the full error model.
+    """Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to match
+    the error model of the cell.
     """
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
@@ -97,7 +97,7 @@ class AllocationDocument(Record):
     shortfalls: Table[ShortfallEntry]
     """Limits that even the tightest tolerances exceed."""
     judgement: Optional[JudgementEntry]
-    """Judgement of the tolerances by the full error model; null if infeasible."""
+    """Judgement of the tolerances by the error model of the cell; null if infeasible."""
 
     _nested = {
         'uniform': ('record', 'UniformEntry'),
@@ -230,7 +230,9 @@ class CalibrationDocument(Record):
     harmonics: Table[HarmonicsEntry]
     """Periodic errors of the joints; empty if none were requested."""
     rank: int
-    """Number of combinations of parameters whose standard deviation the data reduce to less than half."""
+    """Number of combinations of parameters that the data determine. The data reduce the standard deviation of
+    each such combination to less than half.
+    """
     unidentified: List[str]
     """Combinations of parameters that the data do not determine."""
     residual_mm: Optional[float]
@@ -317,7 +319,9 @@ class ComparedFile(Record):
     predicted: AccuracyEntry
     """Statistics of the predicted sizes of the errors of the nominal robot."""
     predicted_rms: bool
-    """Whether the random part of the errors counts in the predicted sizes, which are then root mean squares."""
+    """Whether the predicted sizes include the random part of the errors. Sizes that include this part are root
+    mean squares.
+    """
     residual: AccuracyEntry
     """Statistics of the measured minus the predicted errors."""
     coverage_95: Optional[float]
@@ -327,7 +331,7 @@ class ComparedFile(Record):
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    misfit of a calibration changes from pose to pose. Null unless the errors are measured.
+    misfit of a calibration is an example of such errors. Null unless the errors are measured.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
@@ -745,8 +749,8 @@ class ExplanationDocument(Record):
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
-    """Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances,
-    because measured errors compensate each other in one calibrated arm.
+    """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the errors
+    of the sample compensate each other in one calibrated arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -813,7 +817,9 @@ class FailedCombination(Record):
     process: Optional[int]
     why: str
     given_up: bool
-    """Whether so many workers have died at the combination that no worker of `sweep --claim` takes it over."""
+    """Whether the combination is given up, because too many workers have died while they processed it. No worker
+    of `sweep --claim` takes over such a combination.
+    """
 
 
 class Fault(Record):
@@ -887,8 +893,8 @@ class HarmonicsEntry(Record):
 
     joint: str
     prior_deg: float
-    """Prior standard deviation of a coefficient of the highest order; the fit determines this value. Orders up
-    to 4 have twice the standard deviation of higher orders.
+    """Prior standard deviation of a coefficient of the highest order. The fit estimates this value together with
+    the coefficients. Orders up to 4 have twice the standard deviation of higher orders.
     """
     rms_deg: float
     """Root mean square of the identified error over one revolution of the joint."""
@@ -984,18 +990,20 @@ class JointSheet(Record):
 
 
 class JudgementEntry(Record):
-    """Judgement of the tolerances by the full error model."""
+    """Judgement of the tolerances by the error model of the cell."""
 
     missed_percent: float
-    """Largest excess over a limit that the full error model finds for the first solution, percent. Negative if
-    the solution meets all limits.
+    """Largest excess of a judged figure over its limit after the first round, percent. Negative if the solution
+    meets all limits.
     """
     rounds: int
-    """Number of rounds that adapted the linear requirements to the full model."""
+    """Number of rounds after the first until the solution. Each round adapts the linear figures to the judged
+    figures.
+    """
     sampled_rounds: int
-    """Number of rounds that Monte Carlo samples caused."""
+    """Number of further allocations that were necessary because Monte Carlo samples exceeded a limit."""
     excess_percent: float
-    """Largest excess over a limit at the end, percent; negative if all limits are met."""
+    """Largest excess over a limit for the final tolerances, percent; negative if all limits are met."""
     programs: int
     """Number of cone programs that were solved for the last solution."""
 
@@ -1274,8 +1282,7 @@ class MonteCarloEntry(Record):
     first_order_holds: Optional[bool]
     """Whether the samples confirm the first-order figures. If they do not, the figures of the samples replace
     the first-order figures of the spot. The value and margin of the operation are then also computed from the
-    samples. An exception is a value that is robust or combines several nodes: such a value remains first-
-    order.
+    samples. A robust value, or a value that combines several nodes, stays first-order.
     """
 
     _nested = {
@@ -1331,8 +1338,8 @@ class OperationBudget(Record):
     joints_deg: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
-    """Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are not
-    tolerances, because measured errors compensate each other in one calibrated arm.
+    """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if the
+    errors of the sample compensate each other in one calibrated arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -1445,7 +1452,7 @@ class OperationReadings(Record):
 
 
 class OutlierRow(Record):
-    """Measured position that the misfit does not explain."""
+    """Outlier: measured position that is more than six standard deviations from the prediction."""
 
     row: int
     """Row of the file, counted from 1 without the header."""
@@ -1688,7 +1695,7 @@ class RegionEntry(Record):
     points. The list is empty if the search moves the piece along neither axis.
     """
     rim_mm: float
-    """Width of the rim along the outline in which the region is not resolved."""
+    """Width of a band along the outline. In this band, the result does not distinguish inside from outside."""
     z_mm: _Numbers
     """Least and greatest z, at the x, y and yaw of the layout."""
     yaw_deg: _Numbers
@@ -1734,7 +1741,7 @@ class RemediesDocument(Record):
     errors: str
     """Name of the error set."""
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the columns state."""
+    """Name of the figure by which the remedies are compared."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     """Unit of the values."""
     seed: int
@@ -1744,7 +1751,9 @@ class RemediesDocument(Record):
     remedies: Table[RemedyEntry]
     """One entry for each remedy: none, calibrate, move, both."""
     advised: List[Literal['as-drawn', 'calibrated', 'moved', 'both']]
-    """Remedies that are each sufficient alone; empty if no remedy helps."""
+    """Advised remedies, each of which is sufficient without the others. Empty if no remedy gives a feasible
+    layout within every limit.
+    """
     advice: str
     """Advice in words."""
 
@@ -1827,7 +1836,9 @@ class RequirementEntry(Record):
     withstand misplacements, `worst` replaces the value.
     """
     met: bool
-    """Whether the limit is met. The limit counts as missed if `worst` is needed but no bound is known."""
+    """Whether the limit is met. The limit counts as missed if the layout must withstand misplacements but
+    `worst` is not known.
+    """
 
 
 class ResolvedOperation(Record):
@@ -2100,7 +2111,7 @@ class SearchResult(Record):
     every limit.
     """
     regions: Table[RegionEntry]
-    """Regions in which each piece that the search places may also stand."""
+    """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
     """Rotation of all pieces together about the base axis. The rotation does not change the errors. Null if a
     piece cannot be rotated.
@@ -2214,7 +2225,8 @@ class ShareEntry(Record):
     plus_minus: float
     linear_term_mm: _Numbers
     """Linear position error of the TCP that the parameter causes, in the world frame. In the signed reading, the
-    parameter has its signed value, otherwise the upper limit of its tolerance.
+    parameter has its signed value. In any other reading, the parameter deviates from its mean by the half
+    width of its tolerance.
     """
     alone: float
     """Linear error in the sense of the operation if this parameter is at its tolerance and all other parameters
@@ -2242,7 +2254,9 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Tightest permitted tolerances that keep the figure above the limit, the most effective first."""
+    """Tightest permitted tolerances that contribute to the excess. The tolerance whose removal lowers the figure
+    most comes first.
+    """
 
     _nested = {
         'in_the_way': ('table', 'BoundEntry'),
@@ -2254,7 +2268,9 @@ class SizeEntry(Record):
 
     volume_m3: float
     volume_error_m3: float
-    """Estimated error of the volume: the difference from the volume that twice the step gives."""
+    """Estimated error of the volume: the difference from the volume for twice the distance between the sample
+    points.
+    """
     rotationally_symmetric: bool
     radius_mm: Optional[_Numbers]
     """Least and greatest distance from the vertical axis through the base; null if nothing is reached."""
@@ -2340,8 +2356,8 @@ class SpotEntry(Record):
 
 
 class SpotRankingEntry(Record):
-    """Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its
-    poses.
+    """Spots of a file, ranked by their errors. A spot is a commanded position. The error of a spot is the mean
+    error of its poses.
     """
 
     count: int
@@ -2450,7 +2466,9 @@ class SweepPlan(Record):
     """Whether a search runs for every combination. If false, the layout of the cell file is mapped."""
     sets: Table[Choices]
     island_flags: Optional[Table[Setting]]
-    """Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep."""
+    """Flags of `search --islands`, which apply to every island. The seeds of the islands are in `sets`. Absent
+    in the plan of a sweep.
+    """
     seed: Optional[int]
     """Seed of every combination; null means the seed of the cell."""
     budget: Optional[int]
@@ -2682,8 +2700,8 @@ class TransferEntry(Record):
     to: str
     way: str
     travel_deg: float
-    """Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over all
-    moves.
+    """Sum over the straight moves, degrees: each move counts with the largest travel of a joint. The sum is a
+    measure of the transfer time.
     """
     joints_deg: List[List[float]]
     """Joint vectors along the motion, which is a straight line in joint space from each vector to the next."""

@@ -21,13 +21,14 @@ pub struct AllocateArguments {
     /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
-    /// Keep the limits at every usable node of the surfaces, not only at the spots
+    /// Meet the limits at every usable node of the surfaces, not only at the spots
     #[arg(long, conflicts_with = "at")]
     pub nodes: bool,
     /// Move each operation to the node at which its limit is cheapest to meet
     #[arg(long, conflicts_with_all = ["at", "nodes"])]
     pub cheapest: bool,
-    /// Share of random arms that must stay within each limit; applies only to the quantity yield
+    /// Share of random arms, drawn from the tolerances, that must stay within each limit; applies only to the
+    /// quantity yield
     #[arg(long = "yield", value_name = "SHARE", value_parser = share, default_value = "0.99", allow_hyphen_values = true)]
     pub share: f64,
     #[command(flatten)]

@@ -11,8 +11,8 @@ pub struct CalibrateArguments {
     /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV or text, or compressed as .csv.gz), one for each set-up of the
-    /// instrument; or one file that states a calibration: the YAML file of the Universal Robots ROS driver,
-    /// the calibration.conf of a Universal Robots controller, or a calibrated URDF
+    /// instrument. Alternatively, one file with a calibration: the YAML file of the Universal Robots ROS
+    /// driver, the calibration.conf of a Universal Robots controller, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Test the calibration with a table that is not part of the fit; can be given several times
@@ -41,8 +41,8 @@ pub struct CalibrateArguments {
     /// their order
     #[arg(long, value_name = "FILE")]
     pub joints: Option<PathBuf>,
-    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by the name or the number
-    /// (from 1) of the column; can be given several times
+    /// Read a joint (q1, q2, ...) or a coordinate (x, y, z) from the column with this name or number (from
+    /// 1); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
     pub column: Vec<(String, String)>,
     /// Print the identified errors as a table for the robot file

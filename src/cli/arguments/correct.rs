@@ -27,8 +27,9 @@ pub struct CorrectArguments {
     /// Correct every usable node instead of the spot alone
     #[arg(long, conflicts_with = "targets")]
     pub nodes: bool,
-    /// Correct the targets of this table (CSV): columns x, y, z in mm, optionally name, and rx, ry, rz in
-    /// degrees (rotation Rz Ry Rx); without rotations, the tool keeps the attitude of the operation
+    /// Correct the targets of this table (CSV) with the columns x, y, z in mm. Optional columns are name, and
+    /// rx, ry, rz in degrees (rotation Rz Ry Rx). Without rotations, the tool keeps the attitude of the
+    /// operation
     #[arg(long, value_name = "FILE")]
     pub targets: Option<PathBuf>,
     /// Frame of the targets in the table

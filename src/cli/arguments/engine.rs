@@ -19,8 +19,8 @@ pub enum ChunkSize {
 
 #[derive(Args, Default)]
 pub struct EngineFlags {
-    /// Seconds without a heartbeat after which other workers take over a combination or an island of this
-    /// worker
+    /// Seconds without a sign of life (heartbeat) of this worker, after which other workers take over its
+    /// combinations or islands
     #[arg(
         long,
         value_name = "LEASE",
@@ -38,8 +38,8 @@ pub struct EngineFlags {
     /// Number of cores per task; a task processes this many combinations or islands in parallel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
     pub cpus: u16,
-    /// Number of combinations or islands per task, or auto: as many as take about a minute, measured on this
-    /// machine
+    /// Number of combinations or islands per task; auto measures their time, and makes tasks of about a
+    /// minute
     #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
     pub chunk: ChunkSize,
     /// Largest number of tasks of an array job

@@ -32,8 +32,8 @@ pub struct SchemaArguments {
 
 #[derive(Args)]
 pub struct InitArguments {
-    /// Your robot: a URDF, a xacro file, a robot file (TOML) or the folder of a ROS package; or the name of a
-    /// first cell or of a built-in robot [default: list the names]
+    /// Your robot: a URDF, a xacro file, a robot file (TOML) or the folder of a ROS package. Alternatively,
+    /// the name or the short name of a built-in robot [default: list the names]
     #[arg(value_name = "ROBOT|NAME")]
     pub name: Option<String>,
     /// Arguments of the xacro file

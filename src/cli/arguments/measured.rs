@@ -15,8 +15,8 @@ pub struct MeasuredFlags {
     /// shared column such as id, or by their order
     #[arg(long, value_name = "FILE", requires = "measured")]
     pub joints: Option<PathBuf>,
-    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by the name or the number
-    /// (from 1) of the column; can be given several times
+    /// Read a joint (q1, q2, ...) or a coordinate (x, y, z) from the column with this name or number (from
+    /// 1); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
     /// Treat poses as one spot if their commanded positions differ by at most this length along every axis

@@ -15,7 +15,7 @@ pub enum ExportFormat {
     Glb,
     /// Drawing to scale on paper: plan and elevation
     Svg,
-    /// Answer, drawing to scale and appendix, for print
+    /// One page with the verdict, the drawing to scale, and the report as an appendix, for print
     Pdf,
     /// Table of all nodes
     Csv,

@@ -17,8 +17,8 @@ pub struct ErrorFlags {
     /// Use this error model
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub model: Option<String>,
-    /// Sense of every operation: x, y, z, xy, xyz, rx, ry, rz or rotation (append @surface or @tool for other
-    /// axes), or a sense defined in the cell file
+    /// Sense of every operation: x, y, z, xy, xyz, rx, ry, rz or rotation in world axes (append @surface or
+    /// @tool for the axes of the surface or the tool), or a sense defined in the cell file
     #[arg(long, value_name = "SENSE")]
     pub sense: Option<String>,
     /// Largest allowed error of every operation, in mm, or in degrees if the sense is a rotation

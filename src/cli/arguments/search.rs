@@ -26,7 +26,7 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Assume that everything is placed exactly: ignore placement tolerances, and apply clearance and margins
+    /// Assume that everything is placed exactly, and ignore placement tolerances. Clearance and margins apply
     /// only if the cell file states them
     #[arg(long)]
     pub ideal: bool,
@@ -53,7 +53,7 @@ pub struct SearchArguments {
     #[command(flatten)]
     pub rules: StoppingFlags,
     /// Search with N successive seeds (islands), each with the whole budget, and merge the islands into one
-    /// result; if the command is repeated with the same folder, it processes only the missing islands
+    /// result. A repeated command with the same folder processes only the missing islands
     #[arg(
         long,
         value_name = "N",

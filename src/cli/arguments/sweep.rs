@@ -56,8 +56,8 @@ pub struct SweepArguments {
     /// Resume the sweep in this folder
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-    /// Process only these combinations (numbered from 0), for example 0-9,17, as a task of an array job does;
-    /// the table is not written, but --resume writes it afterwards
+    /// Process only these combinations (numbered from 0), for example 0-9,17; a later run with --resume
+    /// writes the table
     #[arg(long, value_name = "INDICES", value_parser = IndexRanges::parse, conflicts_with = "on")]
     pub only: Option<IndexRanges>,
     /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim

@@ -15,8 +15,8 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, mm_from_m, rounded};
 use std::path::Path;
 
-/// The AP of a data sheet probably applies to taught poses if the ratio of pose accuracy AP to pose
-/// repeatability RP (ISO 9283) is below this value.
+/// Ratio of pose accuracy AP to pose repeatability RP (ISO 9283). Below this ratio, the AP of a data sheet
+/// probably applies to taught poses.
 const TAUGHT: f64 = 3.0;
 
 /// Runs `sweetspot errors`.

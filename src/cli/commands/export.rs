@@ -79,9 +79,9 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
 }
 
 /// Returns the cell to draw, its file and the best layout of a result folder. The layout is None if the
-/// layout as drawn in this cell is exported.
+/// returned cell is exported as drawn.
 ///
-/// If no flag changes the cell, the best layout is drawn in the cell of the search. The search ranges of that
+/// If no flag changes the cell, a result folder supplies the cell of the search. The search ranges of that
 /// cell limit the regions in which the equipment may stand.
 fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
     let file = cell_file(&a.of, a.start)?;

@@ -90,7 +90,8 @@ fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<Me
     })
 }
 
-/// Reads the text of a data file in any usual encoding. Refuses a file of another kind, as its content shows.
+/// Reads the text of a data file in any usual encoding. Refuses a file with content of another kind, such as
+/// a mesh, JSON or a cell file.
 pub fn text(path: &Path) -> Result<String, Exit> {
     let refuse = |why: String, help: String| {
         output::faults(&[Fault::of_file(&path.to_string_lossy(), why, help)]);
@@ -172,14 +173,15 @@ fn remarks(
     said
 }
 
-/// Positions count as given in the base frame if their origin is nearer to the robot base than this distance,
-/// m.
+/// Distance, m, between the robot base and the origin of the measured positions. Below this distance, the
+/// positions count as measured in the base frame.
 const NEAR_BASE: f64 = 0.03;
 
 /// Least cosine of the angle between two axes that both count as vertical.
 const UPRIGHT: f64 = 0.9998;
 
-/// Returns remarks on how the reading of the joints differs from the columns of the file.
+/// Returns remarks on the assumed order, signs, zeros and coupling of the joint columns, and on mirrored
+/// positions.
 fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> Vec<String> {
     let map = &reading.joints;
     let name = |k: usize| shown(&joints[k].name);

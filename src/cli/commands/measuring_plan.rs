@@ -112,7 +112,8 @@ fn elastic(a: &CalibrateArguments) -> &'static str {
     if a.elastic { " --elastic" } else { "" }
 }
 
-/// Returns the robot file of a cell as a word for a shell; ROBOT if the cell file contains the robot.
+/// Returns the path of the robot file of a cell, quoted for a shell. Returns the word ROBOT if the cell file
+/// contains the robot.
 fn robot_file(a: &CalibrateArguments, sources: &[Source]) -> String {
     let folder = a.robot.parent().unwrap_or(Path::new(""));
     let mut files = sources.iter().skip(1).map(|source| folder.join(&source.path));

@@ -16,12 +16,12 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// A calibration must belong to another robot, and is refused, if a stated joint frame is farther than this
-/// distance, m, from the nominal joint frame.
+/// Largest distance, m, between a stated joint frame and the nominal joint frame. A calibration with a larger
+/// distance is refused, because it probably belongs to another robot.
 const OTHER_ARM: f64 = 0.02;
 
-/// A calibration must belong to another robot, and is refused, if the angle between a stated and a nominal
-/// joint frame exceeds this value, rad.
+/// Largest angle, rad, between a stated joint frame and the nominal joint frame. A calibration with a larger
+/// angle is refused, because it probably belongs to another robot.
 const OTHER_TURN: f64 = 0.05;
 
 /// STL mesh that replaces every mesh of a URDF except OBJ meshes, because only the kinematics of the URDF is

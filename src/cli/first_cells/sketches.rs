@@ -32,8 +32,8 @@ const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
-/// Returns a first cell for an arm with about one metre of reach. The bench starts at (0, `far`) and the
-/// feeder at (`far`, -100), mm in the world frame.
+/// Returns a first cell for an arm with about one metre of reach. The start placement is (0, `far`) for the
+/// bench and (`far`, -100) for the feeder, mm in the world frame.
 const fn small(
     [name, about, robot]: [&'static str; 3],
     (pedestal, far): (i32, i32),
@@ -44,16 +44,16 @@ const fn small(
     sketch([name, about, robot, "placeholder"], pedestal, bench, stand("feeder", (far, -100, z), 90, within))
 }
 
-/// Returns a first cell with a bench and a feeder, named after its robot. The numbers are the arguments of
-/// [`small`], mm: pedestal height, distance `far`, three heights of the equipment (start, least, greatest)
-/// and its largest distance from the origin.
+/// Returns a first cell with a bench and a feeder, named after its robot. The numbers `of` are the arguments
+/// of [`small`], mm: pedestal height, distance `far`, start, least and greatest height of the bench, and
+/// greatest |x| and |y| of the equipment.
 const fn bench(robot: &'static str, about: &'static str, of: [i32; 6]) -> Sketch {
     let [pedestal, far, z, low, high, within] = of;
     small([robot, about, robot], (pedestal, far), (z, low, high), within)
 }
 
-/// Returns a first cell with a worktable and a conveyor, named after its robot. The table starts at (0, `y`)
-/// and the conveyor at (`x`, -`y` / 2), mm in the world frame.
+/// Returns a first cell with a worktable and a conveyor, named after its robot. The start placement is
+/// (0, `y`) for the table and (`x`, -`y` / 2) for the conveyor, mm in the world frame.
 const fn hall(robot: &'static str, about: &'static str, [pedestal, x, y, z, within]: [i32; 5]) -> Sketch {
     let table = stand("worktable", (0, y, z), 0, within).ranging(z - 200, z + 200);
     sketch(

@@ -18,7 +18,8 @@ const LOWEST: f64 = -0.4;
 /// Largest height of the TCP above the base, as a share of the longest reach.
 const HIGHEST: f64 = 0.8;
 
-/// Longest reach, m, of an arm that stands on a pedestal so that the table has the height of a workbench.
+/// Reach, m. The table of an arm with less reach has the height of a workbench, and a pedestal lifts the arm
+/// if necessary.
 const BENCH_ARM: f64 = 1.5;
 
 /// Height of a workbench, mm.

@@ -58,7 +58,7 @@ pub struct ImportQuery<'a> {
 }
 
 impl<'a> ImportQuery<'a> {
-    /// Returns the query for a file with a guessed tool.
+    /// Returns the options for a file without xacro arguments. The link that carries the tool is guessed.
     pub fn new(path: &'a Path, packages: &'a PackageFolders) -> Self {
         Self { path, packages, tip: None, arguments: &[] }
     }
@@ -80,7 +80,7 @@ pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
 
 /// Reads a robot file or a URDF, and everything that it refers to, without printing.
 ///
-/// The warnings about a URDF contain what the command line prints about its import.
+/// The warnings about a URDF state the guessed error set, and the collision shapes that are left out.
 ///
 /// # Errors
 /// Returns the faults of the files.

@@ -1,6 +1,6 @@
 //! `view`: a local web server with a page for editing a layout.
 //!
-//! The session is in the server, not in the page: undo history, evaluation settings and running search. The
+//! The server, not the page, holds the session: undo history, evaluation settings and running search. The
 //! session continues after a page is closed, and all open pages show the same state. Every number comes from
 //! [`crate::layout::evaluate`] and the error maps, as in the other commands.
 

@@ -2,14 +2,18 @@
 
 use nalgebra::Vector6;
 
-/// Convex constraint on the tolerance scales `u`: an affine function of `u`, or its norm, is at most 1 (the
-/// scaled limit).
+/// Convex constraint on the tolerance scales `u`.
+///
+/// An affine function of `u`, or the norm of a vector of affine functions, is at most 1. Figures are scaled
+/// so that their limits are 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConeCut {
-    /// Constraint of one sign pattern of a worst case in one axis: `constant + sum_k columns_k u_k <= 1`.
+    /// Constraint of a worst case in one axis, for one sign pattern: `constant + sum_k columns_k u_k <= 1`.
+    /// A sign pattern gives every error a sign.
     Row { columns: Vec<f64>, constant: f64 },
-    /// Constraint of one sign pattern of a worst case in several axes:
-    /// `|constant + sum_k columns_k u_k| <= 1`. Only the first `rows` components count.
+    /// Constraint of a worst case in several axes, for one sign pattern:
+    /// `|constant + sum_k columns_k u_k| <= 1`. A sign pattern gives every error a sign. Only the first
+    /// `rows` components count.
     Vertex { columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize },
     /// Constraint of a root sum square: `|(constant, roots_k u_k, ...)| <= 1`.
     Ellipsoid { roots: Vec<f64>, constant: f64 },

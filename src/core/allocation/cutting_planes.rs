@@ -34,8 +34,8 @@ pub struct RelaxedSolution {
     pub scales: Vec<f64>,
     /// Lower bound of the cost of all scales in the domains that meet every requirement.
     pub bound: f64,
-    /// Price of every scale: the derivative of the Lagrangian without its cost term with respect to this
-    /// scale, at the solution.
+    /// Price of every scale: the derivative of the constraint terms of the Lagrangian with respect to this
+    /// scale. The derivative is taken at the solution.
     pub prices: Vec<f64>,
     /// Shadow price of the limit of every requirement: the cost saved per relative increase of the limit.
     pub shadow: Vec<f64>,
@@ -104,8 +104,8 @@ impl CutPool {
         best
     }
 
-    /// Adds cuts for the requirements whose figures exceed `threshold` most, at most `MAX_NEW_CUTS` of them.
-    /// Returns whether a cut was added.
+    /// Adds new cuts for the requirements with the largest figures above `threshold`. At most `MAX_NEW_CUTS`
+    /// requirements add a cut. Returns whether a cut was added.
     fn separate(
         &mut self,
         figures: &[LinearFigure],

@@ -49,8 +49,8 @@ pub struct PricedScales {
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,
-    /// Price of every scale: the derivative of the Lagrangian without its cost term with respect to this
-    /// scale, at the solution.
+    /// Price of every scale: the derivative of the constraint terms of the Lagrangian with respect to this
+    /// scale. The derivative is taken at the solution.
     pub(super) prices: Vec<f64>,
     /// Constraints that bind, each with the index of its figure.
     pub(super) cuts: Vec<(usize, ConeCut)>,
@@ -126,9 +126,9 @@ pub fn priced_scales(
     None
 }
 
-/// Returns multipliers with which the constraint `cut`, violated at the scales `u`, reaches its limit. The
-/// multipliers act along the direction of the error at `u`. The terms `others` stay unchanged. The result is
-/// None if the scales already keep the constraint.
+/// Returns the least multipliers with which the cheapest scales keep the constraint `cut` along one
+/// direction. The scales `u` violate this constraint. The multipliers act along the direction of the error at
+/// `u`. The terms `others` stay unchanged. The result is None if the scales already keep the constraint.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],
@@ -212,9 +212,9 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
 /// Returns the dual and its terms after the first step length that raises the dual enough. Returns None if no
 /// length raises the dual enough.
 ///
-/// The lengths are tried in descending order, beginning with the full step. Next come the lengths at which a
-/// multiplier reaches 0; the term of this multiplier is then dropped. Halvings of the shortest of these
-/// lengths come last.
+/// The lengths are tried in descending order, beginning with the full step. The next lengths are those at
+/// which a multiplier reaches 0. Each of these lengths drops the term of this multiplier. Halvings of the
+/// shortest of these lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

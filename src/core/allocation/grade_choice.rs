@@ -17,8 +17,8 @@ use std::collections::BinaryHeap;
 const MAX_BRANCHES: usize = 4000;
 /// Relative gap at which a branch counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Chosen grades still meet a limit if they violate it by at most this share of the limit, because rounding
-/// may be the cause.
+/// Largest violation of a limit, as a share of the limit, that rounding may cause. Grades with at most this
+/// violation still meet the limit.
 const ROUNDING: f64 = 1e-9;
 
 /// Branch of the search: the scales that it permits, and the solution of its relaxation.

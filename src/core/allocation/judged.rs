@@ -22,8 +22,8 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut
-/// before the first solution.
+/// Least ratio of figure to limit at the present tolerances, as a share of the largest ratio. A requirement
+/// with a ratio above this share gets a cut before the first solution.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
@@ -113,7 +113,7 @@ impl LinearModel<'_> {
     }
 }
 
-/// Finds the cheapest tolerances that meet the limits as `judge` judges them.
+/// Finds the cheapest tolerances with which the figures from `judge` meet the limits.
 ///
 /// The limits are in the unit of the figures.
 ///
@@ -173,7 +173,7 @@ pub fn allocate_judged(
     Ok(found)
 }
 
-/// Reduces all tolerances by the excess that the rounds have left, until the limits are met.
+/// Divides all scales by the largest ratio of judged figure to limit, until the limits are met.
 fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn ToleranceJudge) {
     for _ in 0..MAX_REDUCTIONS {
         if found.excess <= JUDGED_EXCESS {

@@ -1,4 +1,5 @@
-//! Lagrangian bound of the cost: the minimum over each scale alone, at given prices of the scales.
+//! Lagrangian bound of the cost: lower bound that follows from given prices of the scales. The Lagrangian is
+//! minimized over each scale separately.
 //!
 //! If every permitted `u` satisfies `prices . u <= limit`, the cost is at least `min_u sum_k (c_k(u_k) +
 //! prices_k u_k) - limit`. The minimum over each scale has a closed form.
@@ -40,8 +41,8 @@ pub struct Charged {
     pub scale: f64,
     /// Least value of `c(u) + p u + q u^2`.
     pub least: f64,
-    /// Second derivative at this scale. It is infinite at a bound or a grade, where a small change of the
-    /// prices does not move the scale.
+    /// Second derivative of `c(u) + p u + q u^2` at this scale. It is infinite at a bound or a grade, where a
+    /// small change of the prices does not move the scale.
     pub curvature: f64,
 }
 

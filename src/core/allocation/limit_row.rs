@@ -69,8 +69,8 @@ impl LimitRow {
         self.constant + costs.iter().enumerate().map(of).sum::<f64>()
     }
 
-    /// Returns the value of the constraint minus its limit, and its derivative with respect to the logarithm
-    /// of the multiplier.
+    /// Returns the value of the constraint minus its limit, and the derivative of this difference. The
+    /// derivative is with respect to the logarithm of the multiplier.
     fn excess(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64], multiplier: f64) -> (f64, f64) {
         let (mut sum, mut slope) = (self.constant - 1.0, 0.0);
         for (k, cost) in costs.iter().enumerate() {
@@ -85,7 +85,7 @@ impl LimitRow {
     }
 
     /// Returns a lower bound of the cost from a few Newton steps. The steps update `x`, the logarithm of the
-    /// multiplier. The function writes the scales at these prices to `scales`.
+    /// multiplier. The function writes to `scales` the cheapest scales at the last multiplier that it tried.
     pub(super) fn quick_bound(
         &self,
         costs: &[ToleranceCost],

@@ -11,7 +11,7 @@ use nalgebra::Vector6;
 pub enum LinearFigure {
     /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.
     WorstCase {
-        /// Number of leading components of the vectors that count; the others are ignored.
+        /// Number of vector components that count, from the first component on. The others are ignored.
         rows: usize,
         /// Error at the present tolerance of each parameter, `g_k`.
         generators: Vec<Vector6<f64>>,
@@ -53,8 +53,8 @@ impl LinearFigure {
         }
     }
 
-    /// Returns the figure at the scales `u`, and a cut that is active there if the figure is at its limit.
-    /// For a worst case, this is the cut of the worst sign pattern.
+    /// Returns the figure at the scales `u`, and the cut that limits the figure at these scales. For a worst
+    /// case, this is the cut of the worst sign pattern.
     pub(super) fn cut(&self, u: &[f64], scratch: &mut FigureScratch) -> (f64, ConeCut) {
         let value = self.value(u, scratch);
         let cut = match self {
@@ -95,7 +95,8 @@ impl LinearFigure {
         }
     }
 
-    /// Adds the figure along a multiplier vector to a row; the vector's length is the weight of the limit.
+    /// Adds to a row the error along a multiplier vector, times the length of this vector. The length is also
+    /// the weight of the limit.
     ///
     /// The sum along a vector of length 1 never exceeds a worst case. The weight of a squared root sum square
     /// is the first component of the vector.

@@ -10,7 +10,8 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Least variance, as a share of the largest variance, from which the numerical step is computed.
+/// Least variance that sets the size of a numerical step, as a share of the largest variance. A smaller
+/// variance gets the step of this variance.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -125,9 +126,10 @@ impl NodeFigure<'_> {
     ///
     /// Returns None for a worst case.
     ///
-    /// Among normal errors of equal mean square, errors with equal variance in all directions have the least
-    /// high percentile. Errors in one direction have the least low percentile. A bounded error has a lower
-    /// percentile than a normal error, but its high percentile is still above the root mean square.
+    /// Consider normal errors of equal mean square. A high percentile is least if all directions have equal
+    /// variance. A low percentile is least if the errors have one direction. A high percentile of a bounded
+    /// error may be below the percentile of a normal error. This percentile is still above the root mean
+    /// square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -188,8 +190,8 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square that matches a percentile of normal errors without a mean, in value and
-    /// slopes.
+    /// Returns the root sum square with the value and the slopes of a percentile of normal errors. The mean
+    /// of the errors counts as 0.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
@@ -237,12 +239,12 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the root sum square that matches a percentile or mean at the present scales, in value and
-    /// slopes.
+    /// Returns the root sum square with the value and the slopes of a percentile or mean at the present
+    /// scales.
     ///
-    /// Assume that all errors belong to the parameters `free` and have no mean. The square of such a figure
-    /// is then homogeneous of degree 1 in the squared scales. So the derivatives with respect to these
-    /// squares, `d value^2 / d u_k^2`, describe the figure well.
+    /// Assume that all errors belong to the parameters `free` and have mean 0. The square of such a figure is
+    /// then homogeneous of degree 1 in the squared scales. So the derivatives with respect to these squares,
+    /// `d value^2 / d u_k^2`, describe the figure well.
     fn percentile(
         &self,
         free: &[Parameter],

@@ -14,7 +14,8 @@ pub enum AllocatedNodes {
     Spots,
     /// Every usable node.
     Usable,
-    /// For each operation, the node at which the tolerances that meet only this limit cost least.
+    /// Cheapest node of each operation. The cost of a node is the cost of the cheapest tolerances that meet
+    /// the limit at this node alone.
     Cheapest,
     /// The node with these indices.
     Node(usize, usize),

@@ -34,7 +34,7 @@ pub struct NodeRequirement {
     place: usize,
     /// Limit, m or rad.
     pub limit: f64,
-    /// Figure at the tolerances of the error set, m or rad.
+    /// Worst case or statistical figure at the tolerances of the error set, m or rad.
     pub before: f64,
 }
 
@@ -54,8 +54,8 @@ pub struct CellAllocation<'a> {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The cell lacks a limit or a tolerance, or its errors are not tolerances. The text `why` states the
-    /// reason, and `help` the remedy.
+    /// The problem has no limit or no tolerance to choose, or the errors compensate each other. The text
+    /// `why` states the reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.
     Unusable(String),
@@ -140,8 +140,8 @@ impl<'a> CellAllocation<'a> {
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Keeps only one node for each operation. This is the node at which the tolerances that meet only this
-    /// limit cost least, by the linear model.
+    /// Keeps only one node for each operation. This node has the least cost by the linear model. The cost of
+    /// a node is the cost of the cheapest tolerances that meet the limit at this node alone.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();

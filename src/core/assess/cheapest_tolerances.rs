@@ -51,7 +51,7 @@ impl CellAllocation<'_> {
     }
 }
 
-/// Judge of the tolerances of a cell by its error model.
+/// Implementation of [`ToleranceJudge`] that computes the figures with the error model of the cell.
 struct CellJudge<'p, 'a> {
     problem: &'p CellAllocation<'a>,
     /// Scales that were judged last. `scaled` is the workcell at these scales, and `values` are the figures

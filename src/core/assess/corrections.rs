@@ -171,8 +171,8 @@ fn nearest(branches: &[Branch], home: &JointVector) -> Option<JointVector> {
     usable.min_by(|a, b| far(a).total_cmp(&far(b))).map(|branch| branch.joints)
 }
 
-/// Returns whether a parameter varies at random. The errors of a signed error set do not vary. The
-/// deviations of such a set only state the magnitudes of its errors.
+/// Returns whether a parameter varies at random. The errors of a signed error set do not vary. The standard
+/// deviations derived from a signed error set only state the magnitudes of the errors.
 fn is_random(cell: &Cell, parameter: Parameter) -> bool {
     match parameter {
         Parameter::Equipment(e, _) => matches!(cell.equipment[e].errors, Some(FrameErrors::Tolerance(_))),
@@ -182,7 +182,7 @@ fn is_random(cell: &Cell, parameter: Parameter) -> bool {
 
 /// Returns the attitude of a tool whose axes r, d x r and d are the columns of `axes`, base frame.
 ///
-/// [`crate::cell::held`] computes the columns from these angles.
+/// The inverse function [`crate::cell::held`] computes the columns from the angles of an attitude.
 fn attitude_of(axes: &Matrix3<f64>) -> Attitude {
     let (r, d) = (axes.column(0).into_owned(), axes.column(2).into_owned());
     let level = d.x.hypot(d.y);

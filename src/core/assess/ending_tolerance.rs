@@ -36,7 +36,7 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes the largest values of some tolerances with which the layout is feasible.
+/// Describes the largest values of the tolerances `slots` with which the layout is feasible.
 ///
 /// Returns None if the layout is infeasible even without these tolerances.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {

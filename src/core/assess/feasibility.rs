@@ -57,7 +57,7 @@ pub fn reasons<'m>(
     overlaps.chain(apart).chain(spotless).chain(blocked).chain(misplaced).collect()
 }
 
-/// Returns why a layout that works without misplacements does not work at every misplacement, in words.
+/// Returns, in words, the reasons that arise only from misplacements within the placement tolerances.
 fn misplaced(cell: &Cell, evaluation: &Evaluation) -> Vec<String> {
     let within = "within the placement tolerances";
     let near = evaluation.near.iter().filter(|near| {

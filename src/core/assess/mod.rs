@@ -247,9 +247,9 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If the
-    /// cost of tolerances is only one of several goals, the result is None. The limits of the operations
-    /// then constrain the tolerances, not the error at the tolerances of the error set.
+    /// If the objective is the cost of tolerances, the limit is the cost of the tightest tolerances. If the
+    /// cost of tolerances is only one of several goals, the result is None. The limits then apply to the
+    /// errors at the chosen tolerances, not at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -305,8 +305,8 @@ pub struct Requirement {
     /// If the layout must withstand misplacements, the error is replaced by an upper bound over all
     /// misplacements.
     pub margin: f64,
-    /// Whether the upper bound is known. If not, the margin refers to the nominal error, without
-    /// misplacements.
+    /// Whether the margin is valid for all misplacements that the layout must withstand. If not, the margin
+    /// refers to the nominal error, without misplacements.
     pub known: bool,
 }
 

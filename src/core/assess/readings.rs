@@ -183,8 +183,8 @@ fn row(
     }
 }
 
-/// Returns the row of a reading that needs tolerances, for errors that are not tolerances
-/// ([`Cell::errors_compensate`]).
+/// Returns a row without values for a reading that needs tolerances. This row applies if the errors are not
+/// tolerances ([`Cell::errors_compensate`]).
 fn unanswered(interpretation: &Interpretation, operation: &Operation) -> ReadingRow {
     let Interpretation { reading, quantity, registration, .. } = *interpretation;
     ReadingRow {

@@ -41,8 +41,8 @@ impl CellAllocation<'_> {
         })
     }
 
-    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit
-    /// counts.
+    /// Compares a first-order figure with samples. If the quantity is the yield, the function compares the
+    /// share of samples within the limit with the demanded yield.
     fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
         let figure = match self.workcell.cell.quantity {
             Quantity::Rms => samples.rms,

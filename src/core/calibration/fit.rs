@@ -13,11 +13,11 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 const STEPS: usize = 100;
 /// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
-/// Smallest share of a scoring step by which the variances change.
+/// Smallest share of a step of Fisher's scoring that the variances take.
 const LEAST_SHARE: f64 = 0.1;
 /// Largest step, in prior standard deviations, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;
-/// Largest step, in prior standard deviations, that need not lower the loss.
+/// Largest step, in prior standard deviations, that is accepted without a check of the loss.
 const SURE: f64 = 0.1;
 /// Factor by which the damping grows after a step that raised the loss. The damping shrinks by the same
 /// factor after any other step.

@@ -100,8 +100,8 @@ impl NormalEquations {
 /// Adds the scalar products of `residual` with the second derivatives of a position with respect to the
 /// motions `curved`.
 ///
-/// The second derivative with respect to two motions is a cross product. Of the two motions, the one nearer
-/// to the base gives the axis, and the other one gives the displacement.
+/// The second derivative with respect to two motions is a cross product. The motion nearer to the base gives
+/// the axis, and the other motion gives the displacement.
 fn add_curvature(
     bent: &mut DMatrix<f64>,
     curved: &[usize],

@@ -113,10 +113,10 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point with two coordinates per joint, whose distance to other such points compares postures.
-/// Postures whose joint angles differ by full revolutions have the same point. The distance between two
-/// points is the root sum square of chords of the joint angle differences. The whole travel of a prismatic
-/// joint counts as half a revolution.
+/// Returns the point that represents a posture in comparisons, with two coordinates per joint. Postures whose
+/// joint angles differ by full revolutions have the same point. The distance between two points is the root
+/// sum square of chords of the joint angle differences. The whole travel of a prismatic joint counts as half
+/// a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {
@@ -144,7 +144,8 @@ fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
     normal.cholesky().map_or_else(|| DMatrix::zeros(OF_BASE, unknowns), |c| c.solve(&right))
 }
 
-/// Returns the directions of the unknowns that move the tool at the task, scaled by the motion.
+/// Returns the directions in the space of the unknowns that displace the tool at the task. The length of a
+/// direction is the root mean square displacement of a unit step.
 ///
 /// The squared norm of the product of these directions with the unknowns is the mean squared displacement.
 fn targets(tasks: &[Matrix3xX<f64>], registered: &DMatrix<f64>) -> DMatrix<f64> {

@@ -27,7 +27,7 @@ const FINEST_JOINT: f64 = 1e-7;
 const FINEST_POSITION: f64 = 1e-6;
 /// Largest factor by which one step may change a variance.
 const STEEPEST: f64 = 10.0;
-/// Variance of a joint, as a share of its expected variance, at which a change no longer matters.
+/// Variance of a joint, as a share of its expected variance, below which changes hardly count.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.

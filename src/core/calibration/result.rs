@@ -46,8 +46,9 @@ pub struct Calibration {
     pub unidentified: Vec<Vec<f64>>,
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,
-    /// Result of the cross-validation: statistics of the distances (m) of measured positions from the
-    /// predictions of a fit without their block of the joint space. None means that no block can be left out.
+    /// Statistics of the distances (m) between measured and predicted positions in the cross-validation. Each
+    /// prediction comes from a fit without the block of the joint space that contains the position. None
+    /// means that no block can be left out.
     pub held_out: Option<Accuracy>,
     /// Variances of the errors that the parameters do not explain.
     pub misfit: ResidualVariances,

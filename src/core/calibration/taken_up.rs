@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-/// Jacobians of one position: the motions that are random, and the motions of the frames that are fitted.
+/// Jacobians of one position: first for the random motions, then for the motions of the fitted frames.
 ///
 /// Each Jacobian has three rows (m, base frame) and one column for each motion.
 pub type PositionJacobians = (DMatrix<f64>, DMatrix<f64>);

@@ -14,7 +14,7 @@ const CLEARANCE_MM: f64 = 10.0;
 const TURN_MARGIN_DEG: f64 = 2.0;
 /// Assumed distance from the limits of prismatic joints, mm.
 const SLIDE_MARGIN_MM: f64 = 2.0;
-/// Assumed least singular value of the scaled Jacobian.
+/// Assumed lower limit of the smallest singular value of the Jacobian, with lengths divided by the arm reach.
 ///
 /// At this value, the joints move by up to 0.05 rad (2.9 degrees) if the TCP is displaced by 0.1 % of the
 /// reach. Below this value, an operation is no longer a precision operation: small corrections become large

@@ -99,7 +99,7 @@ impl Cell {
     /// Returns this cell with fixed coordinates made free again. Each such coordinate gets the range that it
     /// has in the cell `wide`.
     ///
-    /// Another search can thus start from a result, whose coordinates are fixed.
+    /// A search can thus start from the result of an earlier search, in which all coordinates are fixed.
     ///
     /// A coordinate becomes free only if its value lies in its range in `wide`. The cell stays unchanged if
     /// the names of equipment or operations in `wide` differ.

@@ -92,8 +92,8 @@ impl Quantity {
 pub enum Registration {
     /// No frame is measured: robot base and equipment are assumed to be exactly at their nominal placements.
     None,
-    /// The base frame is measured: a least-squares fit to the TCP positions of all postures between the joint
-    /// limits.
+    /// The base frame is measured by a least-squares fit to TCP positions. The fit covers all postures
+    /// between the joint limits.
     BestFit,
     /// The frame of each work surface is taught by touching three points.
     Taught,
@@ -130,7 +130,7 @@ pub enum NodeAggregation {
 }
 
 impl NodeAggregation {
-    /// All rules.
+    /// All rules that combine the values of nodes.
     pub const ALL: [NodeAggregation; 4] =
         [NodeAggregation::Best, NodeAggregation::Max, NodeAggregation::Mean, NodeAggregation::P95];
 
@@ -271,7 +271,7 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution with which a fitter can place equipment.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout, so fine that a layout file states the evaluated coordinates exactly.
+    /// Resolution of an ideal layout. A layout file states coordinates of this resolution exactly.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 
@@ -298,7 +298,7 @@ impl SearchSettings {
 
 impl SearchSettings {
     /// Returns whether the search takes the cost of tolerances into account. If so, a limit constrains the
-    /// choice of tolerances, not the error at the tolerances of the error set.
+    /// tolerances to choose. The error at the tolerances of the error set may then exceed the limit.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

@@ -40,8 +40,8 @@ pub enum Parameter {
     /// Deflection of a revolute joint per horizontal lever of a link that it carries, rad/m
     /// ([`crate::robot::lever`]). The first index is the joint, and the second index is the link.
     ///
-    /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
-    /// the weight at and beyond the end of the link.
+    /// The deflection grows with the posture-dependent lever. The parameter is the compliance of the joint
+    /// times the weight at the end of the link and beyond.
     Elastic(usize, usize),
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
     /// joint carries ([`crate::robot::gravity_torque`]).

@@ -1,8 +1,8 @@
 //! International tolerance grades of ISO 286-1 for linear sizes up to 3150 mm: IT4 to IT14.
 //!
-//! The table holds the rounded values of the standard. The standard derives them from factors, with the
-//! nominal size D in mm and the factors in um. The factor is `i = 0.45 D^(1/3) + 0.001 D` up to 500 mm, and
-//! `I = 0.004 D + 2.1` above 500 mm.
+//! The table holds the rounded values of the standard. The standard derives these values from a standard
+//! tolerance factor in um, with the nominal size D in mm. The factor is `i = 0.45 D^(1/3) + 0.001 D` up to
+//! 500 mm, and `I = 0.004 D + 2.1` above 500 mm.
 
 use crate::units::m_from_mm;
 

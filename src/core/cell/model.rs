@@ -283,8 +283,8 @@ impl Cell {
     /// Returns whether the errors of a signed sample compensate each other. The function assumes this if
     /// the error of an axial offset or common normal exceeds the reach of the arm.
     ///
-    /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
-    /// are not tolerances. The message for this case is [`NO_TOLERANCES`].
+    /// In some factory calibrations, Denavit-Hartenberg rows contain lengths of kilometres. The magnitudes of
+    /// such errors are not tolerances. The message for this case is [`NO_TOLERANCES`].
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
@@ -307,8 +307,8 @@ impl Cell {
 
     /// Returns the goals that are measured for layouts of this cell.
     ///
-    /// The goals include the cost of tolerances only if the search prices tolerances. The goals include the
-    /// cycle time only if the maximum speed of every joint with an actuator is given.
+    /// The goals include the cost of tolerances only if the search takes this cost into account. The goals
+    /// include the cycle time only if the maximum speed of every joint with an actuator is given.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
         Goal::ALL.into_iter().filter(move |goal| match goal {

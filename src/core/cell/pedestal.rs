@@ -20,7 +20,7 @@ impl Cell {
 
     /// Returns the pedestal of the highest base that the cell allows.
     ///
-    /// If the base is lower, the surplus length of this pedestal lies below the floor.
+    /// A lower base has the same pedestal, whose lower end is then below the floor.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)
     }

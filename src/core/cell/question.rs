@@ -1,7 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! [`Cell::faults_of`] checks every interpretation, whether from a cell file, a flag or the page of `view`.
-//! The rules are therefore stated only in this file.
+//! [`Cell::faults_of`] checks every interpretation. An interpretation comes from a cell file, a command-line
+//! flag or the web page of `sweetspot view`. The rules are therefore stated only in this file.
 
 use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -192,13 +192,13 @@ impl Cell {
             refuse(About::Objective, "a robust search cannot minimize the cost of tolerances".into(), help);
         }
         if priced && !self.search.pareto.is_empty() {
-            let help = "use the goals error and cost with the objective sum";
+            let help = "use the goals `error` and `cost` with the objective `sum`";
             refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {
                 let word = interpretation.sense_of(operation).unit.word();
-                let message = format!("`{}` has no limit that the tolerances must keep", operation.name);
+                let message = format!("`{}` has no limit that the tolerances must meet", operation.name);
                 refuse(About::Operation(k), message, &format!("add limit_{word}, the largest allowed error"));
             }
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
@@ -224,7 +224,7 @@ impl Cell {
         let names = missing.iter().map(|&k| format!("`{}`", shown(&self.robot.joints[k].name)));
         let names = names.collect::<Vec<_>>().join(", ");
         let message =
-            format!("the goal time needs the maximum speed of every joint, but none is stated for {names}");
+            format!("the goal `time` needs the maximum speed of every joint, which is missing for {names}");
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 

@@ -14,7 +14,7 @@ pub const MAX_JOINTS: usize = 8;
 /// elastic parameters.
 pub const MAX_PARAMETERS: usize = Parameter::count(MAX_JOINTS);
 
-/// Largest number of error parameters of a robot that an error set may use at once.
+/// Largest number of error parameters that can differ from 0 in one error set of a robot.
 pub const MAX_ERRORS: usize = Parameter::first_elastic(MAX_JOINTS);
 
 /// Actuator coordinates, rad (revolute) or m (prismatic), measured from the zero posture as in the seed
@@ -95,7 +95,7 @@ pub struct LinkMass {
     pub link: usize,
     /// Mass, kg.
     pub mass: f64,
-    /// Centre of mass in the frame after that row, m.
+    /// Centre of mass in the frame with which the mass moves, m.
     pub centre: Vector3<f64>,
 }
 

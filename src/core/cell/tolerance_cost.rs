@@ -5,7 +5,7 @@
 /// Least and greatest scale of a tolerance if the file states no range.
 pub const DEFAULT_SCALES: (f64, f64) = (0.1, 3.0);
 
-/// A grade counts as not looser than a scale if it exceeds the scale by at most this relative margin.
+/// Relative margin by which the scale of a grade may exceed a scale before the grade counts as looser.
 const SAME_SCALE: f64 = 1e-9;
 
 /// Tolerance that one process or one standard grade holds, with its cost.

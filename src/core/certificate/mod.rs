@@ -41,8 +41,8 @@ use crate::units::{deg_from_rad, mm_from_m};
 /// Reason why an operation is not certified at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotCertified {
-    /// No square system describes how the arm follows the target, so no bound of the joint coordinates is
-    /// known.
+    /// No [`crate::reach::ToolTask`] describes how the arm follows the target. So no bound of the joint
+    /// coordinates is known.
     NoTask,
     /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,

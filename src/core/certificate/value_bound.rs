@@ -99,7 +99,8 @@ struct SourceMotion {
     /// Number of joints that precede the motion; None for a motion of the equipment.
     link: Option<usize>,
     turns: bool,
-    /// Size of the motion in the reading of the errors, rad or m.
+    /// Size of the motion, rad or m. The source has its signed value, its tolerance or its standard
+    /// deviation, depending on the reading.
     size: f64,
 }
 
@@ -280,8 +281,9 @@ impl ValueBound {
         levers
     }
 
-    /// Returns an upper bound, m, of the value of all deviations of the effects from their interpolation
-    /// between the corners. In the statistical reading, this value is the RMS of the sum of the deviations.
+    /// Returns an upper bound, m, of the total deviation of the effects. A deviation is the difference
+    /// between an effect and its linear interpolation between the corners. In the statistical reading, the
+    /// bound holds for the RMS of the total deviation.
     fn rest(
         &self,
         evaluator: &ErrorEvaluator,

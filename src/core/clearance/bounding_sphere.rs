@@ -1,4 +1,6 @@
-//! Bounding spheres of the robot's solids, for bounds on how far a move of the robot displaces each solid.
+//! Bounding spheres of the robot's solids.
+//!
+//! The spheres give an upper bound of the displacement of each solid when the robot moves.
 
 use super::bodies::CollisionBody;
 use super::robot_solids::RobotSolid;

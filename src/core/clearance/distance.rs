@@ -1,7 +1,7 @@
 //! Distance queries: the distance of the robot from the solids that it must not touch.
 //!
 //! For rounded shapes, the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
-//! measured between the solids before their rounding, and from the segments of capsules. The radii are then
+//! measured between the solids without rounding. A capsule is replaced by its segment. The radii are then
 //! subtracted.
 //!
 //! parry3d gives the nearest points of two solids. An empty slab lies between two convex solids. Two planes
@@ -24,7 +24,8 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true distance.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Limit, m, of the distance to check: the clearance plus the displacement of the robot solid.
+/// Limit, m, of the required distance. A required distance is the clearance plus the displacement of the
+/// robot solid.
 ///
 /// Above this limit, a mesh is checked by its bounding box; below it, by its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;

@@ -6,8 +6,7 @@ use super::straight_move::limited_move_time;
 use crate::cell::JointVector;
 use crate::robot::Chain;
 
-/// The TCP positions of two joint vectors count as the same point if they are nearer than this distance along
-/// the line, m.
+/// Largest distance along the line, m, at which two TCP positions count as the same point.
 const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.
@@ -41,8 +40,8 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
 /// Returns the least time, s, of a path that consists of straight moves and straight lines of the TCP.
 ///
 /// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path.
-/// Between two corners, two joint vectors denote a straight move in joint coordinates. More joint vectors
-/// denote a straight line of the TCP.
+/// Between two corners, two joint vectors denote a straight move in joint coordinates. Three or
+/// more joint vectors denote a straight line of the TCP.
 pub fn path_of_legs_time(chain: &Chain, path: &[JointVector], corners: &[usize], bounds: &RateBounds) -> f64 {
     let leg = |ends: &[usize]| match path.get(ends[0]..=ends[1]) {
         Some([from, to]) => limited_move_time(from, to, bounds, f64::INFINITY),

@@ -34,8 +34,8 @@ struct Band {
 struct SampleLimits {
     bands: [Band; MAX_JOINTS],
     count: usize,
-    /// Greatest x = (ds/dt)^2 that the speed limits permit. The acceleration limits also count for joints
-    /// whose first derivative with respect to s is 0.
+    /// Greatest x = (ds/dt)^2 that the speed limits permit. This x also satisfies the acceleration limits of
+    /// the joints whose first derivative with respect to s is 0.
     most: f64,
 }
 

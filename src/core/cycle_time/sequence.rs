@@ -124,8 +124,8 @@ impl MotionSequence<'_> {
     /// Returns the joint vectors of the line back from a spot along the tool axis; None if the arm cannot
     /// follow the line.
     ///
-    /// Whole revolutions may bring `joints` too near to a limit for the line. The line then begins at the
-    /// posture of the stop itself, which was checked. The time of the line is the same.
+    /// The whole revolutions in `joints` may leave a joint without enough range for the line. The line then
+    /// begins at the posture of the stop itself, which was checked. The time of the line is the same.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

@@ -52,7 +52,7 @@ impl Component {
         }
     }
 
-    /// Returns the name of the sense whose value is the size of this component.
+    /// Returns the name of the sense that measures this component.
     fn sense(self) -> &'static str {
         if self == Self::Resultant { "xyz" } else { self.name() }
     }

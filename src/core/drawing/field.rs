@@ -48,8 +48,9 @@ impl ErrorView {
 
 /// Returns the combinations of model and reading under which a cell can be evaluated.
 ///
-/// The first is the combination that the cell states. If the errors of the cell compensate each other, they
-/// are not tolerances. The other combinations then all have the signed reading.
+/// The first is the combination that the cell states. The magnitudes of errors that compensate each other
+/// ([`Cell::errors_compensate`]) are not tolerances. If a cell has such errors, all combinations after the
+/// first have the signed reading.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -95,8 +96,8 @@ pub struct ViewedErrors {
     pub lens: usize,
     /// Error vector of the TCP at each node, in the world frame, m.
     ///
-    /// In the signed reading, the vector is the error of the signed sample. Otherwise it is the error at
-    /// the corner of the tolerance box that is worst in the sense of the operation.
+    /// In the signed reading, the vector is the error of the signed sample. The other readings
+    /// show the corner of the tolerance box with the greatest error in the operation's sense.
     pub error: Vec<Option<Vector3<f64>>>,
     /// Figures of the reading, m or rad: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,

@@ -3,8 +3,8 @@
 use crate::cell::{Placement, Rectangle};
 use crate::geometry::PlanePoint;
 
-/// Returns the corners (x, y) of a floor space whose frame is placed at `at`, in the world frame, m,
-/// anticlockwise.
+/// Returns the corners (x, y) of a floor space in the world frame, m. The corners run anticlockwise, and `at`
+/// is the placement of the frame of the floor space.
 pub fn floor_corners(rectangle: &Rectangle, at: &Placement) -> [PlanePoint; 4] {
     let (sin, cos) = at.yaw.sin_cos();
     [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(u, v)| {

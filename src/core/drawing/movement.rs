@@ -5,8 +5,8 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Speed of the fastest joint in the animation, rad/s. A prismatic travel equal to the reach of the arm
-/// counts as 1 rad.
+/// Speed of the fastest joint in the animation, rad/s. The travel of a prismatic joint is divided by the
+/// reach of the arm and treated as rad.
 const SPEED: f64 = 0.8;
 /// Duration of a stop at home or at a spot, s.
 const REST: f64 = 0.6;
@@ -136,8 +136,8 @@ impl MovementBuilder<'_> {
         }
     }
 
-    /// Returns the largest travel of a joint between two postures, rad. A prismatic travel (m) is divided
-    /// by the reach, and the quotient counts as rad.
+    /// Returns the largest travel of a joint between two postures, rad. The travel of a prismatic joint is
+    /// divided by the reach of the arm and treated as rad.
     fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
         let links = self.chain.links.iter().zip(from.iter().zip(to));
         let gone = links.map(|(link, (a, b))| match link.kind {

@@ -122,8 +122,8 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
     parts
 }
 
-/// Returns the pedestal of a robot base at height `z` in the world as a box, m. The box is given by the
-/// pose of its centre in the base frame and by its edge lengths.
+/// Returns the pedestal below a robot base as a box, m. The argument `z` is the height of the base in the
+/// world frame, m. The box is given by the pose of its centre in the base frame and by its edge lengths.
 ///
 /// Returns None if the base stands on the floor, or if no pedestal carries it.
 pub fn pedestal(cell: &Cell, z: f64) -> Option<(Pose, Vector3<f64>)> {

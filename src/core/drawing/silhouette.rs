@@ -59,8 +59,8 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silh
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
 
-/// Returns, for every corner, the index of the first corner at the same place. A mesh has several corners
-/// at one place if their normals differ.
+/// Returns, for every corner, the index of the first corner at the same place. A mesh keeps corners with
+/// different normals separate, even at one place.
 fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());

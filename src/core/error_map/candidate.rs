@@ -18,13 +18,14 @@ pub struct PostureCandidate {
     pub target: Vector3<f64>,
     pub contact: ArmContact,
     pub certainty: Certainty,
-    /// Index of the first member of its spin family in [`super::workspace::PostureMemory::firsts`]; None if
-    /// the inverse kinematics must be solved again.
+    /// Index of the first member of the candidate's spin family (postures that differ in the last joint
+    /// alone). The index refers to [`super::workspace::PostureMemory::firsts`]. None if the inverse
+    /// kinematics must be solved again.
     pub first: Option<usize>,
 }
 
-/// Kind of the value of a candidate: one of three lower bounds, or the value itself. A sharper bound costs
-/// more.
+/// Kind of the value of a candidate: one of three lower bounds, or the value itself. A sharper bound takes
+/// longer to compute.
 ///
 /// Among equal values, the least certain value comes first, because the true value is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -72,7 +72,7 @@ impl OperationQuery<'_> {
         self.certify(target, branch, &demand, memory).err()
     }
 
-    /// Returns the nominal posture of a branch, and the box of its target.
+    /// Returns the nominal posture of a branch, and the box that contains all misplaced TCP targets.
     fn nominal(
         &self,
         target: &Vector3<f64>,
@@ -168,9 +168,9 @@ impl OperationQuery<'_> {
         self.certify_path(&knots, &deviations, load, demand, Some(&between))
     }
 
-    /// Returns the largest deviation of the D-H coordinates (rad or m) at each knot of a path that follows
-    /// the misplaced target. The via postures of the transfer rules do not follow the target. If
-    /// `keeps_margin` is true, the distance from singular postures is also checked.
+    /// Returns the largest deviations of the D-H coordinates (rad or m) from the nominal path, one entry per
+    /// knot. The actual path follows the misplaced target. The via postures of the transfer rules do not
+    /// follow the target. If `keeps_margin` is true, the distance from singular postures is also checked.
     ///
     /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
     /// neighbouring knots. Along any other move, the deviation is interpolated linearly.

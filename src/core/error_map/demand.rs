@@ -3,7 +3,7 @@
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
-/// Data for the certificate of a posture that do not depend on the posture.
+/// Data that the certificates of all postures of a layout share.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,

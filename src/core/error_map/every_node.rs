@@ -12,7 +12,7 @@ use crate::reach::Gap;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
 
-/// Candidates of one node, and the gap of the node if no posture reaches it.
+/// Candidates of one node, and a measure of how far an unreached node is from a usable posture ([`Gap`]).
 ///
 /// `BOUNDS` states whether candidates may carry a lower bound of their value.
 struct NodeCandidates<'c, const BOUNDS: bool> {

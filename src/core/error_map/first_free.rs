@@ -13,11 +13,10 @@ use crate::reach::{Branch, Cost};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// Returns the number of candidates that may fail to be certified before the operation counts as not
-/// certified.
+/// Returns the largest number of uncertified candidates that the search tries before it gives up.
 ///
 /// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
-/// about as fast. An arm with numeric inverse kinematics also gets the lower number.
+/// fast ([`Cost::Low`]). An arm with numeric inverse kinematics also gets the lower of the two numbers.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,

@@ -1,4 +1,4 @@
-//! Queries of the postures that an operation keeps while the layout changes.
+//! Evaluation of the postures that an operation keeps while the layout changes.
 
 use super::candidate::Certainty;
 use super::held_posture::HeldPosture;

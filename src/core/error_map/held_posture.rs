@@ -23,7 +23,7 @@ pub struct HeldPosture {
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Azimuth in the base frame, rad, from which the attitude of this posture is measured.
+    /// Direction in the base frame (azimuth, rad) from which the azimuth of the tool is measured.
     pub heading: f64,
 }
 

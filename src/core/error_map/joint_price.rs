@@ -19,7 +19,8 @@ impl PlacedLayout<'_> {
     }
 
     /// Returns the cheapest tolerances with which every operation stays within its limit. Returns None in the
-    /// cases of [`Self::joint_price`], for discrete grades, and if the dual ascent fails.
+    /// cases of [`Self::joint_price`], or if a cost model has discrete grades. Also returns None if the dual
+    /// ascent (numeric search for the shadow prices) fails.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -29,7 +30,7 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None in the cases of
+    /// Returns a number between the joint price and `most`. Returns None in the cases of
     /// [`Self::joint_price`], or if the joint price exceeds `most`. `near` is the price of a similar layout.
     pub fn joint_price_within(
         &self,

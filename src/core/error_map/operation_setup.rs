@@ -90,8 +90,8 @@ impl OperationSetup {
         }
     }
 
-    /// Returns a sharper bound than a bound of the kind `certainty`, or the value. The second part of the
-    /// result states the kind of the first part.
+    /// Returns the value, or a lower bound that is sharper than a bound of the kind `certainty`. The returned
+    /// [`Certainty`] is the kind of the returned number.
     pub fn sharpened(
         &self,
         certainty: Certainty,
@@ -143,7 +143,7 @@ impl OperationSetup {
         }
     }
 
-    /// Returns the figure of the operation at a posture.
+    /// Returns the data from which the error of the operation at a posture is computed.
     pub fn figure<'a>(&'a self, context: &'a WorkContext, frames: &'a Frames) -> NodeFigure<'a> {
         NodeFigure { evaluator: &self.evaluator, context, frames, share: DEFAULT_YIELD }
     }

@@ -63,8 +63,8 @@ impl<'a> PlacedLayout<'a> {
         Self { kept, ..self }
     }
 
-    /// Returns this layout, whose queries may now return lower bounds instead of the values of held postures
-    /// if the values cost much more.
+    /// Returns this layout, but lets queries of held postures return lower bounds. A lower bound replaces a
+    /// value only if the value takes much longer to compute.
     #[must_use]
     pub fn bounding(self) -> Self {
         Self { takes_bounds: true, ..self }

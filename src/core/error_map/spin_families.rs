@@ -1,9 +1,10 @@
 //! Search for the least-error spot by spin families.
 //!
 //! If a tool may spin freely, each solution of the inverse kinematics has a dozen postures that differ in
-//! the last joint alone. Each such family has a lower bound of its values. The members are judged only if
-//! this bound does not exceed the best value found. The solids before the last joint are checked for
-//! contact once per family. The spot is bit-identical to the spot found by judging every posture.
+//! the last joint alone. These postures form a spin family, and one lower bound holds for the values of all
+//! members. The members are judged only if this bound does not exceed the best value found. The solids before
+//! the last joint are checked for contact once per family. The spot is bit-identical to the spot found by
+//! judging every posture.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};
@@ -87,11 +88,11 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: bounds its members, or judges the members if a bound costs as much. A single member is
-    /// judged, or its bound is sharpened.
+    /// Opens a family: bounds each member, or judges each member if a value takes no longer than a bound. A
+    /// single member is judged, or its bound is sharpened.
     ///
-    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member could only
-    /// be reported as the nearest candidate, which is then already known.
+    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. The search could report
+    /// such a member only as the nearest candidate, but this candidate is already known.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);

@@ -177,8 +177,8 @@ impl<'a> OperationQuery<'a> {
     }
 }
 
-/// Returns the status of a target from its branches: the least attitude error of the branches that are within
-/// the joint limits.
+/// Returns the status of a target from its branches. The status holds the least attitude error of the
+/// branches within the joint limits.
 ///
 /// If no branch stays within the limits, the status is the least violation of a joint limit.
 pub fn least_violation(branches: &[Branch]) -> Status {

@@ -1,8 +1,9 @@
-//! Worst node of an operation that happens at every node, without the values of most other nodes.
+//! Search for the worst node of an operation that happens at every node. The search computes only bounds of
+//! the values of most other nodes.
 //!
-//! A node whose error is certainly below the greatest error found cannot be the worst node. Such a node needs
-//! only a usable posture with a small enough upper bound of its value. The nodes far from the base come first,
-//! because their errors are usually the greatest.
+//! A node whose error is certainly below the greatest error found cannot be the worst node. For such a node,
+//! the search only needs a usable posture whose value has an upper bound below that error. The nodes far from
+//! the base come first, because their errors are usually the greatest.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::every_node::UnreachedNodes;

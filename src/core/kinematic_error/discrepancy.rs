@@ -33,8 +33,9 @@ pub const NEGLIGIBLE: f64 = 1e-12;
 /// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear
 /// error.
 ///
-/// The deviation is the length of the difference vector, so errors of equal length in different directions
-/// deviate. The deviation is 0 if the two errors differ by rounding alone.
+/// The deviation is the length of the difference vector, divided by the length of the nonlinear error. So the
+/// deviation is not 0 if the two errors have equal length but different directions. The deviation is 0 if
+/// the two errors differ by rounding alone.
 pub fn deviation(nonlinear: &Vector3<f64>, model: &Vector3<f64>) -> f64 {
     let (off, size) = ((model - nonlinear).norm(), nonlinear.norm());
     if off < NEGLIGIBLE { 0.0 } else { off / size.max(NEGLIGIBLE) }

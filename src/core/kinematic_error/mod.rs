@@ -71,7 +71,7 @@ pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> V
 
 /// Returns the position error of the TCP for errors with elastic deflections.
 ///
-/// This function is separate because most errors have no elastic deflections and must not pay for them.
+/// This function is separate because it must not slow down the usual case without elastic deflections.
 #[cold]
 #[inline(never)]
 fn position_error_of_elastic(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {

@@ -146,7 +146,7 @@ struct Operations {
     values: Vec<f64>,
     /// Value that must be within the limit of the operation, for each entry of `values`.
     most: Vec<f64>,
-    /// Sum of the penalties (m) of spots that cannot be used at every misplacement.
+    /// Sum of the penalties (m) of the spots that may fail at a misplacement ([`SpotValue::Lost`]).
     lost: f64,
 }
 

@@ -80,8 +80,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Cheapest tolerances of the layout; None if the objective is not a cost of tolerances, or if the dual
-    /// ascent does not find them.
+    /// Cheapest tolerances of the layout. None if the objective is not a cost of tolerances, or in the cases
+    /// of [`PlacedLayout::nearby_price`].
     price: Option<NearbyPrice>,
 }
 
@@ -95,7 +95,7 @@ struct OperationValue {
     worst: f64,
 }
 
-/// Values of the operations that do not depend on a moved piece of equipment.
+/// Operations that do not depend on a moved piece of equipment, each with its spot and values.
 ///
 /// A judgement with these values is an estimate. The estimate does not check whether the moved equipment
 /// obstructs these operations or the transfers between operations.

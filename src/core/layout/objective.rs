@@ -16,8 +16,8 @@ const UNKNOWN_EXCESS: f64 = 10.0;
 ///
 /// A value below this edge also belongs to the first step.
 const LEAST_STEP: f64 = 1e-9;
-/// Combined value of the later operations (m, rad, or share of failures) for which [`lexicographic`] returns
-/// the middle of a step.
+/// Combined value of the later operations (m, rad, or share of failures) at the middle of a step of
+/// [`lexicographic`].
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
@@ -67,7 +67,7 @@ impl Workcell {
     ///
     /// A share of failures is not compared with the limit, because the share already counts the arms that
     /// exceed the limit. If the search prices tolerances, the limit constrains the tolerances. A penalty then
-    /// applies only if even the tightest tolerances exceed the limit.
+    /// applies only if the error exceeds the limit even with the tightest tolerances.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         if self.cell.unit() == Unit::Cost {
             let excess = objective / self.mapper.most_cost() - 1.0;

@@ -156,8 +156,8 @@ fn starts(map: &OperationMap) -> Vec<usize> {
 
 /// Runs one compass search on the points at which the posture of `from` can be held and is certified.
 ///
-/// A certificate is expensive, so only points that improve the value are certified. Points nearer than
-/// `apart` (m) to a point touched to teach the frame do not count.
+/// A certificate is expensive, so only points that improve the value are certified. The search skips points
+/// nearer than `apart` (m) to a point that the robot touches to teach the frame.
 fn descend(
     from: PointSpot,
     area: &Rectangle,

@@ -4,9 +4,9 @@
 //! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
 //! carries this equipment. If the operation is relative to a pick, the equipment of the pick and its
 //! carriers also move. The controller is assumed to know where the bodies are. Placement errors that the
-//! controller does not know are given as `errors` of the equipment. Whatever the registration, a
-//! misplacement therefore acts only through the posture. For a taught frame, the postures in which the
-//! robot touches the taught points also change.
+//! controller does not know are given as `errors` of the equipment. A misplacement therefore changes the
+//! value only because it changes the posture. This is true for every registration. For a taught frame, the
+//! postures in which the robot touches the taught points also change.
 //!
 //! - Worst corner: all corners of the tolerance box are checked if the box has at most 8 dimensions. For a
 //!   larger box, the corners of the box of each body are checked, while the other bodies are not misplaced.
@@ -14,12 +14,12 @@
 //!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body are
 //!   also checked, because this body may obstruct the robot.
 //! - Gradient: the derivatives are computed by central differences.
-//! - Largest allowed misplacement: there are three separate sizes: a multiple of the tolerance box, a
-//!   displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap,
-//!   the posture is usable and the value is within its limit. A multiple of the box is checked at the corners
-//!   and the middles of all edges and faces. A displacement is checked in 16 directions, and a yaw in both
-//!   directions. Each size grows by the factor [`STRIDE`] until a check fails. Bisection follows. A failure
-//!   that occurs only between two checked sizes is missed.
+//! - Largest allowed misplacement: the analysis finds three separate sizes. They are a multiple of the
+//!   tolerance box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor
+//!   spaces overlap, the posture is usable and the value is within its limit. A multiple of the box is
+//!   checked at the corners and the middles of all edges and faces. A displacement is checked in 16
+//!   directions, and a yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails.
+//!   Bisection follows. A failure that occurs only between two checked sizes is missed.
 
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -48,7 +48,7 @@ const SCALE_STEPS: i32 = 19;
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Factor by which the displacement allowed in all checked directions is reduced, so that it is allowed in
+/// Factor that reduces the displacement found in the checked directions to a displacement that is allowed in
 /// every direction.
 ///
 /// The nearest point of a straight edge of the allowed region may lie between two checked directions. The

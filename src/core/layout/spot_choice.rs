@@ -73,11 +73,11 @@ pub enum SpotValue {
         /// tolerances. This value is infinite if no bound is known.
         most: f64,
     },
-    /// The spot cannot be used at every misplacement.
+    /// The spot may fail at a misplacement inside the placement tolerances.
     Lost(Loss),
 }
 
-/// Reason why a spot cannot be used at every misplacement.
+/// Reason why a spot may fail at a misplacement inside the placement tolerances.
 #[derive(Clone, Copy)]
 pub enum Loss {
     NotCertified(NotCertified),

@@ -18,7 +18,7 @@ pub struct Workcell {
     /// Maximum speeds and accelerations of the joints, or the indices of the joints whose maximum speed is
     /// not known.
     pub(super) rates: Result<RateBounds, Vec<usize>>,
-    /// Floor plan whose floor spaces have room for misplacements.
+    /// Floor plan in which each floor space has an extra distance for misplacements.
     pub(super) wide: Arc<FloorPlan>,
     /// Upper bound of the value of each operation over all misplacements, or the reason why there is no
     /// bound.

@@ -33,10 +33,11 @@ const HOLLOW: &str =
 const OPEN: &str =
     "its inside is not solid, so a link wholly inside is not detected as a collision: close the holes";
 
-/// Returns whether the surface bounds a solid, and orients the triangles of a closed surface.
+/// Returns whether the surface bounds a solid.
 ///
-/// If the enclosed volume is negative, all triangles are reversed. Afterwards, every shell that is not a
-/// hollow is reversed if its normals point inwards.
+/// The function also orients the triangles of a closed surface, so that the normals point out of the solid.
+/// If the enclosed volume is negative, all triangles are reversed. Afterwards, every shell with inward
+/// normals is reversed, unless the shell is a cavity ([`Solidity::Hollow`]).
 pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
     if !is_closed(triangles) {
         return Solidity::Open;

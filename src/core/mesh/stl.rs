@@ -69,8 +69,8 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
 
 /// Returns the triangles of a file that [`binary`] or [`plain`] has prepared.
 ///
-/// For messages, `place` returns the line (counted from 0) of triangle k in a text file, or a description
-/// of its place in a binary file.
+/// The function `place` locates a triangle, given by its index, for an error message. The result is a line
+/// (counted from 0) of a text file, or words for a binary file.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 /// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Upper limit of the absolute value of each vertex coordinate, m. The limit is far larger than any
-/// workcell.
+/// Upper limit of the absolute value of each vertex coordinate, m. Every workcell is far smaller than
+/// this limit.
 const MAX_COORDINATE: f64 = 1e4;
 
 /// Message for a vertex that is not finite or is too far away.

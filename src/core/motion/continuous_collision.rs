@@ -5,8 +5,8 @@
 //! margin is the amount by which the two solids can approach each other within half the interval. Otherwise
 //! the interval is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for
 //! single and multiple articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005).
-//! The first intervals span several moves, so that most pairs are checked once for the whole path. Only the
-//! joints between two solids of the robot change the distance between these solids.
+//! The first interval is the whole path. Most pairs of solids are so far apart that this interval suffices.
+//! Only the joints between two solids of the robot change the distance between these solids.
 
 use super::motion_bounds::MotionBounds;
 use crate::cell::{JointVector, MAX_JOINTS};
@@ -21,7 +21,8 @@ pub const RESOLUTION: f64 = 1e-4;
 /// First contact on a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathHit {
-    /// Share of the path that is completed at the contact, from 0 to 1. All moves count as equally long.
+    /// Share of the path that is completed at the contact, from 0 to 1. Every move is an equal share of the
+    /// path, whatever its length.
     pub at: f64,
     pub hit: Hit,
 }
@@ -33,14 +34,14 @@ pub struct PathSlack<'a> {
     /// Largest deviation of each D-H coordinate at each knot of the path, rad or m. The list is empty if the
     /// robot does not deviate from the path.
     ///
-    /// On a move, the larger of the deviations at its two ends counts.
+    /// The deviation during a move is at most the larger of the deviations at the two ends of the move.
     pub joints: &'a [JointVector],
     /// Largest motion, m, of a piece of equipment relative to the robot base. The argument None denotes the
     /// floor. Without this function, the equipment does not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
-    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not
-    /// less than the sum of both deviations.
+    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if it knows no
+    /// bound below the sum of the two separate deviations.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
@@ -48,8 +49,8 @@ pub struct PathSlack<'a> {
 /// the cell. Robot and equipment may deviate from the path by up to `slack`.
 ///
 /// The path consists of straight moves between the joint vectors `knots`, rad or m. The result None proves
-/// that there is no contact. A reported contact may also be a near miss of solids that pass each other within
-/// [`RESOLUTION`] of the clearance.
+/// that there is no contact. A reported contact may also be a near miss that the check does not resolve
+/// ([`RESOLUTION`]).
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,
@@ -106,8 +107,8 @@ impl<'w> PathQuery<'w> {
 
     /// Returns the first contact between two knots; None if the moves between them are collision-free.
     ///
-    /// Pairs that remain apart on all these moves are not checked again on single moves. The function moves
-    /// the other pairs to the front of `pairs`.
+    /// Pairs that certainly remain apart between the two knots are not checked on the individual moves. The
+    /// function moves the other pairs to the front of `pairs`.
     fn first_hit_between(&self, first: usize, last: usize, pairs: &mut [NumberedPair]) -> Option<PathHit> {
         let knots = &self.knots[first..=last];
         if last - first == 1 {

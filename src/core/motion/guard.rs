@@ -125,10 +125,11 @@ impl Guard {
     /// Returns the value to which the [`singularity`] measure of a posture may fall if the scaled Jacobian
     /// changes. Returns None if the measure certainly stays above the margin.
     ///
-    /// `change` returns the largest change of the Jacobian, whose lengths are divided by the given
-    /// characteristic length (m).
+    /// `change` receives the characteristic length (m) that divides the lengths of the Jacobian. It returns
+    /// an upper bound of the spectral norm of the change of the Jacobian.
     ///
-    /// A singular value changes by at most the spectral norm of the change (H. Weyl 1912).
+    /// If a matrix changes, each singular value changes by at most the spectral norm of the change (H. Weyl
+    /// 1912).
     pub fn may_become_singular(&self, frames: &Frames, change: impl Fn(f64) -> f64) -> Option<f64> {
         if self.singularity == 0.0 {
             return None;

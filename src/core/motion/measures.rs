@@ -10,8 +10,8 @@ use nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
 /// rotation.
 pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
-/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the
-/// digits.
+/// Least diagonal entry of the Cholesky factor of `J^T J`, where J is the scaled Jacobian. At this value, the
+/// solution of the normal equations keeps about half of its digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
 /// Measures of a posture that a search may maximize while it minimizes the error.
@@ -86,8 +86,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
     (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits))
 }
 
-/// Returns the joint displacements of least norm that come nearest to a motion of the TCP. The motion is
-/// scaled like the Jacobian.
+/// Returns the joint displacements of least norm that come nearest to a motion of the TCP. The
+/// displacement in `motion` is divided by `reach`, like the position rows of the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
 /// decomposition. It uses this decomposition only for a nearly singular posture or for more than six moving

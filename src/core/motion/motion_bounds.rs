@@ -7,13 +7,14 @@
 //! ```
 //!
 //! and by at most |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H
-//! coordinates of joint i. The length and the offset of a D-H row are l and r. The lever arm of the last
-//! row ends at the centre of the solid's bounding sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE
-//! Transactions on Robotics 21, 2005).
+//! coordinates of joint i. The length and the offset of a D-H row are l and r. In the last row, the
+//! centre of the solid's bounding sphere replaces the origin of the frame after the link (F. Schwarzer,
+//! M. Saha, J.-C. Latombe, IEEE Transactions on Robotics 21, 2005).
 //!
-//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The first-order term is
-//! the velocity at that posture, in which opposite rotations cancel each other. The magnitude of the second
-//! derivative is at most twice the product of the bound above and the sum of all |dtheta_i|.
+//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The first-order term
+//! contains the velocity of the point at that posture. Opposite rotations of joints cancel each other in this
+//! velocity. The magnitude of the second derivative is at most twice the product of the bound above and the
+//! sum of all |dtheta_i|.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::BoundingSphere;

@@ -108,11 +108,11 @@ fn extrapolated(knots: &[JointVector]) -> JointVector {
     }
 }
 
-/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the
-/// posture `from`. Each step is the least-norm solution of the linearized equations.
+/// Solves for the joint coordinates at the pose `to` by Newton's method, which starts from `guess`. The
+/// solution is near the posture `from`. Each step is the least-norm solution of the linearized equations.
 ///
-/// Returns None if the method does not converge. Also returns None if a joint coordinate differs from `from`
-/// by 1 rad or 1 m or more: this solution is in another branch.
+/// Returns None if the method does not converge. The function also returns None if any joint coordinate
+/// departs from `from` by at least 1 rad or 1 m. The solution then belongs to another branch.
 fn follow(
     chain: &Chain,
     from: &JointVector,

@@ -46,8 +46,8 @@ pub struct Transfer {
     pub corners: Vec<usize>,
     /// Measure of the transfer time, rad: the largest joint travel of each move, summed over all moves.
     ///
-    /// The measure is proportional to the time if all joints start and stop together with equal top speeds. A
-    /// prismatic travel as long as the reach of the arm counts as 1 rad.
+    /// The measure is proportional to the time if all joints start and stop together with equal top speeds.
+    /// The travel of a prismatic joint is divided by the reach of the arm and treated as rad.
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///
@@ -111,8 +111,8 @@ impl Guard {
 
     /// Returns the first collision-free transfer between two operations.
     ///
-    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check`
-    /// refuses are not used.
+    /// The collision check includes the held parts of both operations. Paths that `check` refuses are not
+    /// used.
     ///
     /// # Errors
     /// Returns the hindrances on all routes if no route can be used.

@@ -16,13 +16,13 @@ const ROBOTS: usize = 2048;
 /// Predicted pose accuracy of a series of robots, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseAccuracy {
-    /// Median over the robots of the mean pose accuracy of the five poses.
+    /// Median, over all robots, of each robot's mean pose accuracy at the five poses.
     pub median: f64,
-    /// 5 % quantile over the robots of the mean pose accuracy of the five poses.
+    /// 5 % quantile, over all robots, of each robot's mean pose accuracy at the five poses.
     pub best: f64,
-    /// 95 % quantile over the robots of the mean pose accuracy of the five poses.
+    /// 95 % quantile, over all robots, of each robot's mean pose accuracy at the five poses.
     pub worst: f64,
-    /// Median over the robots of the largest pose accuracy of the five poses.
+    /// Median, over all robots, of each robot's largest pose accuracy at the five poses.
     pub largest_pose: f64,
     /// Median over the robots of the pose accuracy at each pose.
     pub poses: [f64; 5],

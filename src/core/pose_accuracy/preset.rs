@@ -17,7 +17,8 @@ pub struct ErrorPreset {
     pub zero_mm: f64,
     /// Half width of the errors of link lengths and axial offsets, mm.
     pub length_mm: f64,
-    /// Half width of the errors of the twists, and of the fifth parameter between parallel axes, degrees.
+    /// Half width of the errors of the twists and, between parallel axes, of the fifth parameter beta of
+    /// Hayati ([`Parameter::Dbeta`]), degrees.
     pub twist_deg: f64,
     /// Source from which the tolerances are taken or estimated.
     pub source: &'static str,
@@ -97,7 +98,7 @@ impl ErrorPreset {
     /// Returns the spreads of a robot in the order of [`Parameter::of_robot`].
     ///
     /// Only parameters that a calibration can distinguish have a spread other than 0. Between parallel axes,
-    /// the fifth parameter replaces the axial offset.
+    /// the fifth parameter beta of Hayati ([`Parameter::Dbeta`]) replaces the axial offset.
     pub fn spreads(&self, robot: &Robot, chain: &Chain) -> Vec<Spread> {
         let known = identifiable(chain, ParameterSet::FiveParameter);
         let last = robot.axes().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! Rows of a sense in the base frame, and the rotations that change no value of these rows.
+//! Rows of a sense in the base frame, and checks for rotations that leave the value of any error unchanged.
 
 use super::WhyNot;
 use super::coordinates::DIRECTION_ROUNDING;
@@ -51,8 +51,8 @@ pub(super) fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Returns whether a rotation of an error about z never changes the root sum square of its components along
-/// `rows`.
+/// Returns whether every rotation of an error about z keeps the root sum square of the error's components
+/// along `rows`.
 pub(super) fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
         let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
@@ -60,7 +60,8 @@ pub(super) fn turns_with_z(rows: &[Row]) -> bool {
     })
 }
 
-/// Returns whether a rotation of an error never changes the root sum square of its components along `rows`.
+/// Returns whether every rotation of an error keeps the root sum square of the error's components along
+/// `rows`.
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())

@@ -26,8 +26,8 @@ use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which the search looks for a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
-/// Share of the former length of a side of a box. If a side shrinks below this share, another contraction
-/// pass follows.
+/// Share of the length of a side of a box that remains after a contraction pass. If a side shrinks below
+/// this share, another contraction pass follows.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;

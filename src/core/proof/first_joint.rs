@@ -10,9 +10,10 @@
 //!
 //! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal,
 //! and let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives
-//! `M = A`. A rotation moves the point by its height h across u, so M is A after a quarter turn, times `h^2`.
-//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. That is the
-//! isotropy times the contribution of an isotropic error with the variance `v / 2`.
+//! `M = A`. A rotation about u moves the point in plan by h per radian, perpendicular to u. Here h is the
+//! height of the point above the rotation axis. The matrix M is then `h^2` times A rotated by a quarter turn.
+//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. The excess
+//! therefore gives at least the isotropy times the contribution of an isotropic error with variance `v / 2`.
 
 use super::coordinates::DIRECTION_ROUNDING;
 use crate::cell::{Quantity, Reading, Row};
@@ -20,19 +21,20 @@ use crate::kinematic_error::{ScrewMotion, Screws};
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
-/// Largest number of joints of an arm whose worst case is bounded with the errors before the first joint. For
-/// more joints, one more coordinate would cost too many boxes.
+/// Largest number of joints for which the bound of the worst case includes the errors before the first joint.
+/// For an arm with more joints, a coordinate of the first joint would need too many boxes.
 const MAX_JOINTS_OF_WORST_CASE: usize = 6;
 
 /// Isotropic errors that stand for the errors before a first joint with a vertical axis.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FirstJoint {
-    /// Motions along or about x and y. The numbers of their sources follow those of the sources of the cell.
+    /// Motions along or about x and y. The source indices of these motions continue the list of the cell's
+    /// error sources.
     pub motions: Vec<ScrewMotion>,
     /// Standard deviation of each of these motions, m or rad.
     pub deviations: Vec<f64>,
-    /// Number of motions at the end of the list whose terms in the bound are multiplied by the isotropy of
-    /// the bound.
+    /// Number of motions at the end of the list that stand for the excess in one direction. The bound
+    /// multiplies the terms of these motions by the [`isotropy`].
     pub excess: usize,
 }
 
@@ -40,9 +42,10 @@ impl FirstJoint {
     /// Replaces the errors before the first joint that act along or about horizontal directions. `motions`
     /// are the motions of all error sources. The motions of the replaced errors are removed.
     ///
-    /// In the worst case of an arm with many joints, nothing takes the place of these errors. If the rows of
-    /// the sense are not horizontal, nothing takes the place of their excess. The bound remains valid.
-    /// Returns None, and leaves `motions` unchanged, if the errors cannot be replaced.
+    /// If the reading is worst-case and the arm has more than [`MAX_JOINTS_OF_WORST_CASE`] joints, no motions
+    /// replace these errors. If the sense has a rotation row or a non-horizontal row, no motions replace the
+    /// excess in one direction. The bound remains valid. Returns None, and leaves `motions` unchanged, if the
+    /// errors cannot be replaced.
     pub fn replace(
         screws: &Screws,
         evaluator: &ErrorEvaluator,

@@ -116,12 +116,12 @@ impl LastJoint {
         Some(Self { across, along, variances })
     }
 
-    /// Returns the covariance of the TCP (m^2, base frame) at which the bound of a reading is expanded. It is
-    /// a mean, over rotations of the tool about its axis, of the covariance that the errors after the joint
-    /// cause.
+    /// Returns the covariance of the TCP (m^2, base frame) at which the bound of a reading is expanded. The
+    /// result averages the covariance that the errors after the joint cause, over rotations of the tool about
+    /// its axis.
     ///
     /// `others` is the covariance that all other errors cause. Across the tool axis, the sum of both
-    /// covariances is as isotropic as possible, because the least values are there.
+    /// covariances is as isotropic as possible. An isotropic covariance gives the least values.
     pub fn covariance(&self, others: &Matrix3<f64>, tool: &ToolAxisRange) -> Matrix3<f64> {
         let frame = across(&tool.axis);
         let eigen = within(others, &frame).symmetric_eigen();

@@ -5,12 +5,13 @@
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits.
 //!
-//! Two joints may need no coordinate. Errors that come after the first joint in the chain rotate with this
-//! joint. A first joint with a vertical axis therefore does not matter, unless the sense distinguishes
-//! horizontal directions. Errors before it are bounded without their direction. The last joint does not
-//! matter either if its axis is the tool axis through the measured point: the errors after it take their best
-//! rotation. For a signed sample, and for some errors of other readings, one or both joints keep their
-//! coordinate.
+//! The first and the last joint may need no coordinate in the boxes of the search. Errors that come after the
+//! first joint in the chain rotate with this joint. A first joint with a vertical axis therefore does not
+//! matter, unless the sense distinguishes horizontal directions. The bound of the errors before such a joint
+//! does not depend on their horizontal directions. The last joint also needs no coordinate if its axis is the
+//! tool axis and passes through the measured point. The bound then assumes the best rotation of the errors
+//! after this joint. For a signed sample, and for some errors of other readings, one or both joints keep
+//! their coordinate.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The module has the following files:

@@ -7,9 +7,10 @@
 //! `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`, where phi is the yaw of the surface against the line from the
 //! base axis.
 //!
-//! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single nodes
-//! are computed for intervals of height and radius, whose lengths are halves, quarters, ... of the whole ranges,
-//! and are kept for other cells of the search.
+//! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single
+//! nodes are computed for intervals of height and radius. The lengths of these intervals are halves,
+//! quarters, ... of the whole ranges. The bounds are kept for other placement cells (ranges of height, rho
+//! and phi).
 
 use super::branch_and_bound;
 use super::region::OperationRegion;
@@ -22,11 +23,11 @@ use std::collections::{BinaryHeap, HashMap};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of parts into which the extent of the nodes is divided at most.
+/// Largest number of parts into which the search divides the extent of the nodes.
 const MAX_PARTS: f64 = 48.0;
-/// Length of an interval of height that has the effect of an interval of radius with the length 1.
+/// Divisor that converts the length of a height interval to the equivalent length of a radius interval.
 const HEIGHT_SHARE: f64 = 4.0;
-/// Largest number of cells that the search examines.
+/// Largest number of placement cells ([`PlacementCell`]) that the search examines.
 const MAX_CELLS: usize = 20_000;
 /// Largest number of times that a range of height or radius is halved.
 const MAX_LEVEL: u32 = 20;
@@ -153,7 +154,8 @@ impl NodeRadii<'_> {
         within(self.region.height, (level, index))
     }
 
-    /// Returns a lower bound of the combined value of all nodes in a cell; infinity if the arm cannot reach a node.
+    /// Returns a lower bound of the combined value of all nodes in a placement cell. Returns infinity if the
+    /// arm cannot reach a node.
     fn combined(&mut self, cell: &PlacementCell) -> f64 {
         let mut values = Vec::with_capacity(self.nodes.len());
         for k in 0..self.nodes.len() {

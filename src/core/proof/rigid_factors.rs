@@ -1,5 +1,5 @@
-//! Rigid factors: the random factors of the rigid errors, without the part that correlates with elastic
-//! errors.
+//! Rigid factors: random factors of the correlated errors that are not elastic. The factors exclude the part
+//! that correlates with elastic errors.
 
 use crate::reading::ErrorSources;
 use nalgebra::DMatrix;
@@ -15,8 +15,9 @@ const ROUNDING: f64 = 1e-12;
 /// [`ErrorSources::factors`].
 ///
 /// Let x be the rigid sources, y the elastic sources, and `A x + B y` the error. With M = `C_re C_ee^+`,
-/// the error equals `A (x - M y) + (A M + B) y`. The two terms are independent, so every figure is at least
-/// the figure of the first term (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
+/// the error equals `A (x - M y) + (A M + B) y`. The two terms are independent. Every statistic of the error
+/// is therefore at least the statistic of the first term (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955)
+/// 170-176).
 pub(super) fn rigid_factors(sources: &ErrorSources) -> Vec<Vec<(usize, f64)>> {
     let is_elastic = |k: usize| sources.list[k].parameter.is_elastic();
     let mut correlated: Vec<usize> = sources.factors.iter().flatten().map(|&(k, _)| k).collect();

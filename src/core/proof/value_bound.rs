@@ -13,13 +13,13 @@
 //! ```
 //!
 //! Elastic errors have no weight, because their size changes with the posture. The other errors alone give
-//! a lower bound. Further independent sources only increase the distance of a farthest corner and the
-//! spread of a centred distribution. If sources are correlated, only the part of the other errors that is
-//! independent of the elastic errors counts.
+//! a lower bound. Further independent sources never reduce the error at the worst corner of the tolerance
+//! box. They also never reduce the spread of a distribution with mean zero. If sources are correlated, only
+//! the part of the other errors that is independent of the elastic errors counts.
 //!
-//! Means of measured errors are also ignored, and the bound remains valid. The farthest corner about a mean
-//! is at least as far as the farthest corner about 0. The reason is that one of two opposite corners lies
-//! on the side of the mean. A mean also enlarges each statistic.
+//! Means of measured errors are also ignored, and the bound remains valid. The largest error of a tolerance
+//! box about a mean is at least that of the box about 0. The reason is that a mean cannot reduce the errors
+//! at both of two opposite corners. A mean also enlarges each statistic.
 //!
 //! For the mean of |e|, this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
@@ -67,8 +67,8 @@ pub(super) struct ValueSum {
 #[derive(Debug, Clone)]
 pub(super) struct RandomFactors {
     list: Vec<Vec<(usize, f64)>>,
-    /// Number of factors at the end of the list whose terms in the bound are multiplied by the isotropy of
-    /// the bound. See [`super::first_joint`].
+    /// Number of factors at the end of the list that stand for the excess in one direction. The bound
+    /// multiplies the terms of these factors by the [`isotropy`]. See [`super::first_joint`].
     excess: usize,
 }
 
@@ -265,8 +265,8 @@ fn spread(
     Some(behind / square.sqrt())
 }
 
-/// Returns the quadratic form of displacements (base frame) that a quadratic form of the rows of a sense
-/// gives. `entry` returns the entries of the form of the rows.
+/// Converts a quadratic form of the rows of a sense to a form of displacements in the base frame. `entry`
+/// returns the entries of the form of the rows.
 fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
     let pairs = (0..rows.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
     pairs.map(|(i, j)| rows[i].direction * rows[j].direction.transpose() * entry(i, j)).sum()

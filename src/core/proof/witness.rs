@@ -18,8 +18,8 @@ pub(super) struct Witness {
     pub value: f64,
     /// Actuator coordinates of the posture, rad or m.
     pub joints: JointVector,
-    /// Lower bound of the value in the posture alone, m or rad. No lower bound of the operation rises above
-    /// it.
+    /// Lower bound of the value for a box that contains only this posture, m or rad. No lower bound of the
+    /// operation rises above it.
     pub ceiling: f64,
 }
 

@@ -16,8 +16,8 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// Least number of sharp edges at which a body is drawn without sharp edges. Such a body is a scanned
-/// surface, on which nearly every edge is sharp.
+/// Upper limit of the number of sharp edges. A body that reaches this limit is drawn without sharp edges.
+/// Such a body is a scanned surface, on which nearly every edge is sharp.
 const MAX_SHARP_EDGES: usize = 400;
 
 /// Returns the feature edges of a body for a camera, as segments in the frame of its mesh, m.

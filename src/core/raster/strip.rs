@@ -25,7 +25,7 @@ pub const TEXT: f64 = 1.38;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendSign {
     Spot,
-    /// Glyph of the nodes that are unusable for the reason that the [`NodeSign`] states.
+    /// Glyph of a class of unusable nodes. The [`NodeSign`] states why these nodes are unusable.
     Node(NodeSign),
     Envelope,
 }

@@ -9,14 +9,15 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Step of the scan between the samples, in lattice steps of the redundant joint.
+/// Step of the scan between the samples, in steps of the lattice that [`HeldJoint::LATTICE`] describes.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// No usable posture is expected within one step of the scan if the violation of the joint limits (rad, m or
-/// cosine) exceeds this value.
+/// Largest violation [`Gap::limits`] (rad, m or cosine) around which the search continues.
+///
+/// A larger violation is not expected to vanish within one step of the scan.
 const HOPELESS: f64 = 0.5;
 
 /// Largest number of bisections in the search for a joint value at which the target is within reach.
@@ -26,8 +27,8 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls [`Self::gap`]. If the lower bound of the distance is below `near` (m), computes the distance
-    /// itself.
+    /// Calls [`Self::gap`], whose result may contain a lower bound of the target's distance. If this bound is
+    /// positive and below `near` (m), the function replaces the bound by the distance.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,

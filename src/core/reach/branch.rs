@@ -39,7 +39,8 @@ pub enum Cost {
     Middle,
     /// About a microsecond per attitude and sampled joint value for a redundant arm.
     ///
-    /// Tens of microseconds per attitude for a scan of one joint, a refined closed form or six general axes.
+    /// Scans of one joint, refined closed forms and eliminations for six axes take tens of microseconds per
+    /// attitude.
     High,
     /// About a millisecond per target, because the solver is numeric.
     Numeric,

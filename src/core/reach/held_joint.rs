@@ -144,8 +144,10 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns an upper bound (m) of the motion of the other joints' target point per lattice step of the
-    /// redundant joint.
+    /// Returns an upper bound (m) of the motion of a point when the redundant joint moves by one lattice
+    /// step.
+    ///
+    /// The point is the target of the other joints.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {

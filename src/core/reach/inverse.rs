@@ -308,7 +308,9 @@ impl Inverse {
         }
     }
 
-    /// Returns the branch with index `index` whose posture is known, unless the solver is numeric.
+    /// Returns the branch with the index `index` and the posture `posture`.
+    ///
+    /// For the numeric solver, [`Self::branch_at`] must be called instead.
     pub fn branch(
         &self,
         index: u64,

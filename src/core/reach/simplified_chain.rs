@@ -142,8 +142,8 @@ struct SimpleRow {
 }
 
 /// Returns the direction of the next axis, and the rotation vector from the direction of `line` to this
-/// direction. The new direction is exactly parallel or perpendicular to axis z of `frame` if `line` nearly
-/// is.
+/// direction. If `line` is nearly parallel or perpendicular to axis z of `frame`, the returned direction is
+/// exactly parallel or perpendicular.
 fn simplified_direction(frame: &Pose, line: &Line, tolerance: f64) -> (Vector3<f64>, Vector3<f64>) {
     let (z, w) = (frame.rotation.column(2).into_owned(), line.along);
     let (cosine, sine) = (w.dot(&z), z.cross(&w).norm());

@@ -34,7 +34,8 @@ pub struct ToolTask {
     pub active: [usize; MAX_ROWS],
     /// Controlled components of the rotation.
     ///
-    /// The number beside a component is its rate per unit yaw rate of the reference heading of the attitude.
+    /// The number beside a component is the required rate of this component at a yaw rate of 1 rad/s. The yaw
+    /// rate is the rate of the heading from which the attitude is measured.
     /// Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the attitude is measured from the direction of the target as seen from the base axis. If not,
@@ -109,7 +110,7 @@ fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
 
 /// Returns the index of the joint of a seven-axis arm that should stay fixed at this posture.
 ///
-/// The Jacobian matrix of the other six joints has the largest absolute determinant.
+/// Among the seven joints, this joint leaves the Jacobian matrix with the largest absolute determinant.
 ///
 /// This joint has the largest share in the self-motion of the arm.
 pub(super) fn best_held(chain: &Chain, frames: &Frames) -> usize {

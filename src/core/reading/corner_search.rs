@@ -45,8 +45,8 @@ type Signs = [f64; MAX_SOURCES];
 /// are reversed.
 ///
 /// The error is computed only at corners where it may exceed the largest error so far. The function
-/// [`CornerModel::may_exceed`] predicts whether this is possible. The result is the same as if the error were
-/// computed at every corner.
+/// [`CornerModel::may_exceed`] predicts whether this is possible. The prediction saves time and does not
+/// change the result of the search.
 ///
 /// If `largest` is None, the search leaves out the mixed corners. The second part of the result states whether
 /// the search is complete: it has left out nothing.

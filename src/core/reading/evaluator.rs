@@ -46,8 +46,8 @@ pub struct ErrorEvaluator {
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,
-    /// Whether the value is computed with the last joint at theta = 0, because a rotation of the tool by this
-    /// joint does not change the distribution of the error.
+    /// Whether the value is computed with the last joint at theta = 0. In that case, rotations of the tool by
+    /// this joint do not change the distribution of the error.
     pub(super) takes_zero_spin: bool,
     /// Whether the errors of the signed sample compensate each other, so that they are not tolerances
     /// ([`Cell::errors_compensate`]).
@@ -214,8 +214,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns whether a rotation of the tool by the last joint does not change the distribution of the TCP
-    /// position error, although errors after this joint rotate with the tool.
+    /// Returns whether rotations of the tool by the last joint leave the distribution of the TCP position
+    /// error unchanged. The errors after this joint may rotate with the tool.
     fn has_isotropic_tool(&self) -> bool {
         self.reading == Reading::Statistical
             && self.sense.rows().iter().all(|row| !row.turns)

@@ -20,7 +20,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the figures of a signed sample without a worst case or statistics, which are infinite.
+    /// Returns the figures of a signed sample. All figures except the error are infinite, because the sample
+    /// has neither a worst case nor statistics.
     pub fn of_sample(error: f64) -> Self {
         let [worst_linear, worst, rms, mean, p95, p99] = [f64::INFINITY; 6];
         Self { error, worst_linear, worst, rms, mean, p95, p99 }

@@ -10,12 +10,12 @@
 //!
 //! Here `g_i` is the effect of one unit of motion i on the position of the point. The vector `w_i` is the
 //! axis of the motion if the motion is a rotation, and otherwise 0. The rotation vector changes likewise. For
-//! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of different motions, and there are no
-//! cross products of equal motions. One pass from the base to the tool and back gives every `G_i`. The
+//! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of two different motions. There is no
+//! cross product of a motion with itself. One pass from the base to the tool and back gives every `G_i`. The
 //! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
 //! rotations, and D the largest sum of the sizes of all displacements. The third-order products that contain
-//! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the products of all orders from
-//! the third on are together less than twice this bound. A point at a distance r from the TCP adds `|d_i|
+//! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the sum of all products of order
+//! 3 and higher is less than twice this bound. A point at a distance r from the TCP adds `|d_i|
 //! |w_i| A^2 r`, because the second-order model truncates only the rotation.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
@@ -181,7 +181,7 @@ impl FlipPrediction {
         self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
     }
 
-    /// Predicts the flips of every source at the corner with these signs.
+    /// Sets the corner with the signs `signs`, and predicts how a flip of each sign changes the error.
     pub fn set_corner(&mut self, sources: &ErrorSources, signs: &[f64; MAX_SOURCES], measure: &SenseRows) {
         self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
         for ((own, source), sign) in self.sources.iter().zip(&sources.list).zip(signs) {

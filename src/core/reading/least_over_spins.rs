@@ -22,8 +22,8 @@ impl ErrorEvaluator {
         matches!(self.spin_bound, Some(SpinBound::Signed(_)))
     }
 
-    /// Returns whether all rotations of the tool by the last joint have one value, which costs less than a
-    /// bound of [`Self::value`] for each rotation.
+    /// Returns whether one evaluation of [`Self::value`] serves all rotations of the tool by the last joint.
+    /// This evaluation costs less than a bound for each rotation.
     pub fn has_one_value_over_spins(&self) -> bool {
         self.ignores_spin() && self.reading == Reading::Statistical
     }

@@ -8,8 +8,8 @@
 //! |e + c_j + c_k|^2 - |e|^2 + 2 |e| M <= p_j + p_k + 2 |c_j| |c_k| + 2 |e| M,    p_k = 2 e . c_k + |c_k|^2
 //! ```
 //!
-//! This sum needs only a few numbers per sign. With the largest numbers of all signs in place of k, it bounds
-//! all pairs that contain the sign j.
+//! This sum needs only a few numbers per sign. If each number of k is the largest over all signs, the
+//! right-hand side bounds every pair that contains j.
 
 use super::MAX_SOURCES;
 use super::flip_prediction::PredictedFlip;
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 4e-12;
 /// Numbers of one flip from which the gains of pairs follow.
 #[derive(Debug, Clone, Copy, Default)]
 struct FlipGain {
-    /// `p_k`, and the part of `2 |e| M` that belongs to this flip alone, m^2 or rad^2.
+    /// Sum of `p_k` and the part of `2 |e| M` that belongs to this flip alone, m^2 or rad^2.
     alone: f64,
     /// Length of the predicted change, m or rad.
     length: f64,
@@ -36,7 +36,7 @@ pub struct PairGains {
     flips: [FlipGain; MAX_SOURCES],
     /// Number of signs with a prediction.
     count: usize,
-    /// For each number of [`FlipGain`], the largest of all flips.
+    /// Largest value of each field of [`FlipGain`] over all flips.
     largest: FlipGain,
     /// Twice the size of the error times the norms of the rows that measure the position and the rotation.
     weights: [f64; 2],

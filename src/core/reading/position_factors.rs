@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Independent random factors, as the motions (index and size at one standard deviation) that they cause.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PositionFactors {
-    /// Factors whose effect a rotation of the tool by the last joint does not change.
+    /// Factors whose effect does not change when the last joint rotates the tool.
     staying: Vec<Vec<(usize, f64)>>,
     /// Factors whose effect rotates with the tool.
     rotating: Vec<Vec<(usize, f64)>>,

@@ -3,9 +3,9 @@
 //!
 //! A registration is a rigid motion M fitted to the errors at several points: by least squares, or from three
 //! taught points. The controller works in the frame moved by M, so an error E at a node becomes `M^-1 E`. In
-//! the linear model this is a difference of twists. In the nonlinear and second-order models, the fit is
-//! repeated on the remaining errors until it finds no further motion. This iteration converges quadratically,
-//! and small errors lose no digits.
+//! the linear model, `M^-1 E` is the twist of E minus the twist of M. In the nonlinear and second-order
+//! models, the fit is repeated on the remaining errors until it finds no further motion. This iteration
+//! converges quadratically, and small errors lose no digits.
 
 use super::position_moments::ErrorMoments;
 use super::workspace_average::WorkspaceAverage;

@@ -95,7 +95,7 @@ impl SpinBound {
 impl NormalBound {
     /// Returns the bound of [`Self::least`] from the factors of the position error.
     ///
-    /// `expansion` is the one of [`PositionFactors::expansion`].
+    /// `expansion` must be the result of [`PositionFactors::expansion`].
     pub fn least_of_position(
         &self,
         factors: &PositionFactors,

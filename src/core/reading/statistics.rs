@@ -54,8 +54,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the quantity of the statistical reading of a distribution, without the limit of the worst
-    /// case.
+    /// Returns the quantity of the statistical reading for the distribution `norm`. The worst case does not
+    /// cap the result.
     fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
         match self.quantity {
             Quantity::Rms => norm.rms(),

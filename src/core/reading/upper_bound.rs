@@ -1,6 +1,6 @@
 //! Upper bound of the value of an operation at a posture, which costs much less than the value.
 //!
-//! - Normal position errors: the figure of an error without a mean, plus the length of the mean.
+//! - Normal position errors: an upper bound for zero mean, plus an upper bound of the length of the mean.
 //! - Worst case: the linear worst case plus the largest products of two and more errors.
 
 use super::spin_bound::SpinBound;

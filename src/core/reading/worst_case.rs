@@ -23,7 +23,7 @@ pub struct WorstCase {
 /// Returns the maximum of `|sum_k s_k g_k|` over all signs `s`, and writes the maximizing signs to `corner`.
 ///
 /// The `g_k` are the first `rows` components of `columns`: the effects of the sources at their tolerances.
-/// The maximum is the farthest vertex of a zonotope.
+/// The maximum is the distance from the origin to the farthest vertex of a zonotope.
 pub fn farthest(
     columns: &[Vector6<f64>],
     rows: usize,

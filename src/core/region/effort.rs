@@ -8,13 +8,14 @@ use crate::layout::Workcell;
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.
     pub fine_mm: f64,
-    /// Least number of spacings of the coarse lattice along the longer side of the domain.
+    /// Least number of spacings of the coarse lattice along the longer side of the rectangle to search. If
+    /// the fine lattice has fewer spacings, the coarse lattice equals the fine lattice.
     pub divisions: f64,
     /// Step of a scan of the yaw, degrees.
     pub scan_deg: f64,
     /// Number of directions in which the room is checked.
     pub directions: usize,
-    /// Number of directions in which the room is estimated.
+    /// Number of directions in which an estimate of the room displaces the piece.
     pub estimated: usize,
     /// Largest number of layouts that a search evaluates to find a layout with a large room.
     pub evaluations: u64,
@@ -43,7 +44,8 @@ impl RegionEffort {
         evaluations: 150,
         compared: 4,
     };
-    /// Resolution if postures are continued numerically.
+    /// Resolution if branches do not keep their indices at neighbouring targets. The inverse kinematics then
+    /// moves a known posture to each target numerically.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
     /// Returns whether the check of a placement takes milliseconds.

@@ -1,14 +1,14 @@
 //! Regions: the alternative placements of each piece of a found layout.
 //!
 //! A placement belongs to the region of a piece if two conditions hold. The layout must stay feasible and
-//! within every limit, at all misplacements within the placement tolerances, and the objective may grow by at
-//! most the indifference. All other pieces keep their placements. Every operation keeps its branch, and its
-//! spot on its equipment ([`HeldLayout`]).
+//! within every limit at all misplacements within the placement tolerances. The objective may grow by at most
+//! the indifference. All other pieces keep their placements. Every operation keeps its branch, and its spot
+//! on its equipment ([`HeldLayout`]).
 //!
 //! The room of a piece is the largest distance by which it may be displaced in every direction in plan.
 //!
-//! A layout file without search variables also has regions. In this case, every piece with a placement
-//! tolerance has a region within a window around its placement.
+//! A cell file without search variables, such as a layout that a search wrote, also has regions. In this
+//! case, every piece with a placement tolerance has a region within a window around its placement.
 //!
 //! | file | content |
 //! |---|---|
@@ -94,7 +94,7 @@ pub struct Region {
     pub turn: Option<f64>,
     /// Reason that limits [`Self::room`], or [`Self::turn`] if the search does not move the piece in plan.
     pub ended: RoomEnd,
-    /// Width of the rim along the outline in which the region is not resolved, m.
+    /// Width of the rim, m: a zone along the outline in which details of the region may be missed.
     pub rim: f64,
 }
 
@@ -103,8 +103,8 @@ pub struct Region {
 pub struct Regions {
     /// One region per piece that the search places.
     pub pieces: Vec<Region>,
-    /// Rotation of all pieces together about the base axis; None if a piece of an operation cannot be
-    /// rotated.
+    /// Rotation of all pieces together about the base axis. None if the search does not vary x, y and yaw of
+    /// the equipment under an operation.
     pub whole: Option<WholeTurn>,
 }
 
@@ -133,7 +133,7 @@ pub struct RoomScale {
     pub is_rough: bool,
 }
 
-/// Estimates the room of a layout, m: the displacement in every direction that each piece permits.
+/// Estimates the room of a layout, m: the least of the rooms of all pieces.
 ///
 /// Every operation keeps its spot, and the objective may grow by the indifference of the cell.
 pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {

@@ -16,7 +16,7 @@ type Vertex = (i32, i32);
 /// Number of bisection steps between the two vertices of a crossed edge.
 const BISECTIONS: usize = 6;
 
-/// Largest distance of a point of the outline from a straight line that replaces it, m.
+/// Largest distance, m, of a removed point of the outline from the simplified outline.
 const STRAIGHT: f64 = 1e-4;
 
 /// Rectangle in which a region lies, m.

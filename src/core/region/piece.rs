@@ -19,12 +19,13 @@ const MAX_STEPS: f64 = 10_000.0;
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Room, m, below which the room counts as 0. The reason that limits a room is determined at least this
-/// distance beyond the room.
+/// Room, m, below which the room counts as 0. To find what limits a room, the piece is displaced farther than
+/// the room by at least this distance.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;
-/// Distance at which the limiting reason is determined, as a multiple of the room.
+/// Ratio of a test displacement to the room, before [`OVERSHOOT`] is added. The test displacement shows what
+/// limits the room.
 const BEYOND: f64 = 1.02;
 
 /// Returns the bodies that the search places or, if the search places none, the bodies with a placement
@@ -60,8 +61,8 @@ pub struct MovablePiece<'a> {
     /// Placement in the frame in which the cell file states it.
     own: Placement,
     effort: RegionEffort,
-    /// Values of the operations that the piece does not carry. None unless every check of a placement begins
-    /// with a cheap estimate from these values.
+    /// Values of the operations that the piece does not carry. If given, every check of a placement begins
+    /// with a cheap estimate from these values. None for the robot base, and if a check takes microseconds.
     uncarried: Option<Uncarried>,
 }
 

@@ -19,12 +19,12 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason that limits the rotation in the direction in which it is smaller.
+    /// Reason that limits the smaller of the rotations in the two directions.
     pub ended: RoomEnd,
 }
 
 /// Returns how far all pieces with ranges of x, y and yaw may be rotated together about the base axis.
-/// Returns None if a piece of an operation cannot be rotated.
+/// Returns None if the equipment under an operation lacks one of these ranges.
 pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
     let cell = &held.workcell().cell;
     let turns = |k: usize| {

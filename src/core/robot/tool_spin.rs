@@ -4,13 +4,14 @@ use super::{Chain, Frames};
 use crate::cell::JointKind;
 use nalgebra::Vector3;
 
-/// A deviation from the last axis of at most this value counts as a rounding error: of a unit vector (no
-/// unit), or of a point (m).
+/// Largest distance, m, of the TCP from the last joint axis that counts as a rounding error. This value also
+/// limits the sine of the angle between the tool axis and the last joint axis.
 const ON_AXIS: f64 = 1e-12;
 
 impl Chain {
-    /// Returns the direction of the last joint axis relative to the tool axis, 1 or -1, if the last joint
-    /// rotates the tool about its axis and leaves the TCP in place; otherwise None.
+    /// Returns 1 if the last joint axis points along the tool axis, and -1 if the two are opposite.
+    ///
+    /// Returns None unless the last joint rotates the tool about the tool axis and leaves the TCP in place.
     pub fn tool_spin(&self) -> Option<f64> {
         let last = self.links.last().filter(|link| link.kind == JointKind::Revolute)?;
         // Direction of the last axis, and a point on it, in the last frame.

@@ -17,8 +17,7 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// The local polish refines the result.
 const TOL_X: f64 = 1e-5;
-/// Relative difference between the largest and the least of the best costs of the last generations, below
-/// which a run has converged.
+/// A run has converged when the best costs of the last generations agree within this relative difference.
 const TOL_COST: f64 = 1e-5;
 /// A run ends when the condition number of the covariance is above this value.
 const MAX_CONDITION: f64 = 1e14;

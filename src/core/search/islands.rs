@@ -89,9 +89,9 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
 /// proven lower bound of the objective, m or rad. Returns None if there is no island.
 ///
 /// The best layout and the reason why the search ended come from the best island ([`best_island`]). The
-/// numbers of evaluations are added. The trace is the trace of a search of all islands, one after the other.
-/// Pareto fronts are merged into the front of all their members. Shortlists are merged into the best layouts
-/// that differ from each other.
+/// numbers of evaluations are added. The trace lists the improvements as if one search had run the islands in
+/// turn. Pareto fronts are merged into the front of all their members. Shortlists are merged into the best
+/// layouts that differ from each other.
 pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Option<SearchRecord> {
     let best = &islands[best_island(islands)?];
     let settings = &workcell.cell.search;

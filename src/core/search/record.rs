@@ -6,8 +6,8 @@ use super::shortlist::Shortlist;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// The stagnation rule counts a decrease of the best cost as an improvement if its share of the cost is at
-/// least this value.
+/// For the stagnation rule, an improvement counts if it lowers the cost by more than this share. The share
+/// refers to the cost at the last improvement that counted.
 const MIN_IMPROVEMENT: f64 = 1e-6;
 
 /// Result of one evaluation, as the journal stores it.

@@ -38,8 +38,8 @@ pub struct Scalarization {
 }
 
 impl Scalarization {
-    /// Returns the scalarization of the run with the number `run`, at whose start the Pareto front is
-    /// `front`.
+    /// Returns the scalarization of the run with the number `run`. `front` is the Pareto front at the start
+    /// of this run.
     pub fn new(front: &ParetoFront, run: u64) -> Self {
         Self { weights: weights(front.goals().count(), run), spans: front.spans() }
     }

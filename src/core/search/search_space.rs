@@ -165,7 +165,7 @@ const RESOLUTION_DIGITS: i32 = 9;
 
 /// Returns the multiple of `step` inside a range that is nearest to `value`.
 ///
-/// If the range contains no multiple, returns the number of the range that is nearest to `value`.
+/// If the range contains no multiple, returns the point of the range that is nearest to `value`.
 ///
 /// `value` and `range` are in SI units, and `step` is in the unit of files.
 fn multiple(

@@ -42,7 +42,7 @@ const WIDEST: f64 = 0.25;
 const FIRST_WIDEST: f64 = 0.02;
 /// A room is not estimated accurately if it is below this share of the largest room so far.
 const POOR: f64 = 0.3;
-/// Least share of the largest room at which the room of a layout counts as equally large.
+/// A layout has nearly the most room if its room is at least this share of the largest room.
 const NEARLY: f64 = 0.98;
 /// Least cost of a layout whose objective is too large. The room of such a layout does not count.
 const BEYOND: f64 = 1.0;

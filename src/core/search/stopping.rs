@@ -40,7 +40,7 @@ pub enum SearchEnd {
 }
 
 impl SearchEnd {
-    /// Returns the name of the end in documents.
+    /// Returns the name of this reason as documents state it, for example `time-limit`.
     pub fn name(self) -> &'static str {
         match self {
             SearchEnd::Done => "done",

@@ -16,11 +16,11 @@ pub struct ComparedPose {
     pub nominal: Vector3<f64>,
     /// Measured minus nominal position, base frame, m.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, base frame, m, without the part that the fit of base and
-    /// reflectors absorbs.
+    /// Predicted mean of the measured error, base frame, m. The part that the fit of base and reflectors
+    /// absorbs is removed.
     pub predicted: Vector3<f64>,
-    /// Predicted size of the error, m: the length of [`Self::predicted`], or the root mean square of the
-    /// error if deviations count.
+    /// Predicted size of the error, m. In the signed reading, this is the length of [`Self::predicted`]. In
+    /// the other readings, this is the root mean square of the error, deviations included.
     pub size: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are
     /// predicted.
@@ -28,8 +28,8 @@ pub struct ComparedPose {
     /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
     /// reflectors absorbs a part of them.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside the predicted 95 % ellipsoid, if the deviations change from pose
-    /// to pose; None unless the error set comes from measurements.
+    /// Whether the measured error is inside a second 95 % ellipsoid, whose deviations change from pose to
+    /// pose. None unless the error set comes from measurements.
     pub is_inside_varying: Option<bool>,
 }
 

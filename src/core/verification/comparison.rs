@@ -33,7 +33,8 @@ pub struct MeasuredComparison {
     /// Share of the poses whose measured error is inside the 95 % ellipsoid of deviations that change from
     /// pose to pose. None unless the errors of the error set are measured.
     ///
-    /// The covariance of a calibration contains its misfit, which changes with the posture.
+    /// The covariance of a calibration contains the misfit of the calibrated model. This misfit changes with
+    /// the posture.
     pub coverage_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all poses; None if all sizes of one kind are
     /// equal.

@@ -1,4 +1,4 @@
-//! Errors of the robot of a cell, as a prediction of measured positions.
+//! Prediction of measured position errors from the errors of the robot of a cell.
 
 use crate::cell::{Cell, ErrorSet, Model, Reading};
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
@@ -14,7 +14,8 @@ pub struct PredictedErrors {
     chain: Chain,
     model: Model,
     sources: ErrorSources,
-    /// Mean of every source, m or rad; for elastic sources rad/m or rad/(N m).
+    /// Mean of every error source (a robot parameter), m or rad. Elastic sources are in rad/m or rad/(N m),
+    /// and periodic factors have no unit.
     means: Vec<f64>,
     may_vary: bool,
     has_deviations: bool,
@@ -96,8 +97,8 @@ impl ReflectorErrors<'_> {
         position_error(frames, &self.means, self.errors.model)
     }
 
-    /// Returns the displacements of the reflector that one standard deviation of each independent factor
-    /// causes, m, base frame.
+    /// Returns displacements of the reflector, m, base frame: one for each independent random factor, at one
+    /// standard deviation. A factor is one parameter, or one combination of correlated parameters.
     pub fn deviations(&mut self, frames: &Frames) -> Vec<Vector3<f64>> {
         self.expansion.set(frames);
         self.effects.set(&self.errors.sources, &self.expansion, false);

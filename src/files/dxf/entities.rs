@@ -12,8 +12,7 @@ pub struct Entity {
     pub kind: EntityKind,
     pub layer: String,
     pub line: usize,
-    /// Whether the entity is drawn on the underside of the plan, with its x axis reversed (extrusion 0, 0,
-    /// -1).
+    /// Whether the x coordinates of the entity are mirrored, because its extrusion is (0, 0, -1).
     pub is_flipped: bool,
 }
 

@@ -95,7 +95,7 @@ struct BlockWalk<'d> {
 }
 
 impl BlockWalk<'_> {
-    /// Adds the shapes of entities. Entities of a block on layer 0 belong to the layer of the insert,
+    /// Adds the shapes of entities. Inside a block, an entity on layer 0 belongs to the layer of the insert,
     /// `inherited`.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };

@@ -55,8 +55,8 @@ pub struct Outlines {
 
 /// Returns the outlines on `layers` (names in upper case).
 ///
-/// `unit` is the length of one unit of the drawing, m. Straight lines replace every arc on its outer side, at
-/// most `tolerance` (m) away.
+/// `unit` is the length of one unit of the drawing, m. Straight lines on the outer side of the outline
+/// replace every arc. The lines are at most `tolerance` (m) away from the arc.
 pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tolerance: f64) -> Outlines {
     let mut all = Outlines::default();
     let Expanded { shapes, mut ignored } = match expanded(drawing, layers, unit) {

@@ -21,7 +21,8 @@ pub struct GroupCode<'t> {
 }
 
 impl GroupCode<'_> {
-    /// Returns whether the pair is group code 0 with this name, which begins or ends an entity or a section.
+    /// Returns whether the pair has group code 0 and this name. Such a pair begins or ends an entity or a
+    /// section.
     pub fn begins(&self, name: &str) -> bool {
         self.code == 0 && self.value == name
     }

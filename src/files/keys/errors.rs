@@ -110,7 +110,7 @@ key_table! {
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its D-H row: the row of the joint or a later row. The link leads from the frame before its row to the frame after its row.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its D-H row: the row of the joint or a later row. The link leads from the frame before its row to the frame after its row.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
@@ -148,7 +148,7 @@ key_table! {
 }
 
 /// Help text that lists the names of the parameters of a covariance.
-pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2)";
+pub const PARAMETERS: &str = "write a name such as dl2 (dq, dr, dl, dalpha or dbeta of a joint), tool rx (x, y, z, rx, ry or rz of base, tool or joint2), elastic 2 3 (joint and link) or compliance 2 (joint)";
 
 key_table! {
     covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a set of tolerances, these parameters must have plus-or-minus values of 0.", {

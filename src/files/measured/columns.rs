@@ -26,7 +26,7 @@ pub struct FoundColumns {
     pub joints: Vec<usize>,
     pub reflectors: Vec<ReflectorColumns>,
     pub rotation: Option<(RotationForm, Vec<usize>)>,
-    /// Columns of the uncertainty, and the number of standard deviations in a stated uncertainty.
+    /// Columns of the uncertainty, and the coverage factor (number of standard deviations) of its values.
     pub uncertainty: Option<(Vec<usize>, f64)>,
     /// Column that names the reflector of a row.
     pub reflector: Option<usize>,

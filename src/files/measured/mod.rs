@@ -32,10 +32,10 @@ pub struct MeasuredTable {
     pub position: [String; 3],
     /// Names of the columns of the orientation.
     pub rotation: Vec<String>,
-    /// Names of the columns of the uncertainty, and the number of standard deviations in a stated
-    /// uncertainty.
+    /// Names of the columns of the uncertainty, and the coverage factor (number of standard deviations) of
+    /// its values.
     pub uncertainty: Option<(Vec<String>, f64)>,
-    /// Names of the reflectors; a single empty name if each row has one position of one reflector.
+    /// Names of the reflectors. The only name is empty if the table names no reflector.
     pub reflectors: Vec<String>,
     /// Unit of the joint angles, if the column names or a line of units state it.
     pub angle_unit: Option<StatedUnit>,

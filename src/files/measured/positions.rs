@@ -1,4 +1,4 @@
-//! Columns of positions: three columns x, y and z whose names agree in all other words.
+//! Columns of positions: three columns whose names differ only in the axis x, y or z.
 
 use super::name::{ColumnOrigin, ColumnWords};
 use std::collections::HashMap;

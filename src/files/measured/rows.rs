@@ -15,7 +15,7 @@ pub const MAX_FAULTS: usize = 20;
 /// Largest number of reflectors of one table.
 const MAX_REFLECTORS: usize = 20;
 
-/// Magnitude from which a number is neither a joint coordinate nor a position in any unit.
+/// Least magnitude of a number that is too large for a joint coordinate or a position, in any unit.
 const TOO_FAR: f64 = 1e9;
 
 /// Rows and reflectors of a table, with notes on the lines that were left out.
@@ -69,8 +69,8 @@ pub fn read(
     if faults.is_empty() { Ok(reader.finished()) } else { Err(faults) }
 }
 
-/// Returns whether a column of a table has more different names than half the number of rows. Such a column
-/// names postures, not reflectors.
+/// Returns whether the number of different names in a column exceeds half the number of rows. Such a column
+/// names postures, not reflectors. The function returns false for a table of at most four rows.
 fn identifies_rows(grid: &FieldGrid<'_>, column: usize) -> bool {
     let names: HashSet<_> =
         grid.lines.iter().filter_map(|line| grid.fields(line).get(column).copied()).collect();

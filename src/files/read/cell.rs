@@ -82,8 +82,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Returns which quantities the file states. If a quantity is missing, a search for a layout to build assumes
-/// a value.
+/// Returns which quantities the file states. [`Cell::assuming`] can assume values for the other quantities,
+/// unless the cell requests an ideal layout.
 fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
     let [turn_margin, slide_margin, singularity] =
@@ -159,7 +159,8 @@ fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
     t.table(&key, solid::read_rectangle).map(|section| Some(BaseSupport::Pedestal(section)))
 }
 
-/// Records a fault if `robust` is true but no placement has a tolerance, or if `ideal` is true, too.
+/// Records a fault if `robust` and `ideal` are both true. Also records a fault if `robust` is true but no
+/// placement has a tolerance.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust

@@ -84,7 +84,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
         let (low, high) = margins.kept(joint);
         if !(low..=high).contains(&posture[i]) {
             let (low, high) = (plain(in_file(joint.kind, low)), plain(in_file(joint.kind, high)));
-            let less = if margins.of(joint) > 0.0 { ", less the margin" } else { "" };
+            let less = if margins.of(joint) > 0.0 { ", reduced by the margin" } else { "" };
             let message = format!(
                 "entry {} of `via` is outside the limits of joint `{}`{less}",
                 i + 1,

@@ -90,7 +90,8 @@ fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table
 
 /// Records a fault if an error set has more errors than one set may have.
 ///
-/// The mean of measured errors counts as one more error, because the worst case treats it as a parameter.
+/// For a set of measured errors, the mean of the errors counts as one additional error. The worst case treats
+/// this mean as a parameter.
 pub fn refuse_too_many(set: &ErrorSet, t: &mut Table) {
     let mean = set.mean().map(SignedErrors::values);
     let is_used = |(k, spread): &(usize, &Spread)| {

@@ -99,8 +99,8 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 /// Refuses errors of the base and of joint 1 that duplicate errors of row 1 of a modified D-H table.
 ///
 /// A modified row begins with its common normal l and twist alpha. So the error dalpha of the twist of row 1
-/// has the effect of a rotation rx of the base. For joint 1, the error dl of l has the effect of a
-/// displacement x. The error dbeta of Hayati's fifth parameter has the effect of a rotation ry of this joint.
+/// has the effect of a rotation rx of the base. The error dl of l has the effect of a displacement x of joint
+/// 1. The error dbeta of Hayati's fifth parameter has the effect of a rotation ry of this joint.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,

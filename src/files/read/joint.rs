@@ -87,7 +87,7 @@ pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
         return Some((0..n).map(unit).collect());
     };
     let Some(rows) = node.value.items().filter(|rows| rows.len() == n) else {
-        let help = "row i gives the D-H coordinate i as a sum of the actuators";
+        let help = "row i gives D-H coordinate i as a weighted sum of the actuator coordinates";
         let given = node.value.count_or_kind();
         t.error(node.at, format!("`coupling` must be a list of {n} rows of {n} numbers, not {given}"), help);
         return None;
@@ -104,8 +104,7 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
         t.error(
             row.at,
             message,
-            "each joint coordinate is the coordinate of its own actuator plus multiples of those of the preceding \
-             actuators",
+            "row i has the factors of the actuators in joint coordinate i: 1 for actuator i, 0 for later actuators",
         );
     }
     Some(values)

@@ -137,7 +137,7 @@ fn read_surface_choice(t: &mut Table, around: &References<'_>) -> Option<usize> 
     };
     if around.equipment.iter().any(|e| e.name == name) && !has_surface(&around.entries[index].2) {
         let message = format!("`{}` has no work surface", shown(&name));
-        t.error(node.at, message, "add to it for example surface = { size_mm = [1500, 700] }");
+        t.error(node.at, message, "add a surface, for example surface = { size_mm = [1500, 700] }");
     }
     Some(index)
 }

@@ -89,13 +89,14 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
         return;
     };
     let message = format!(
-        "the largest of dr_mm, dl_mm and the joints' position_mm of `{}` is {share} of the reach",
+        "the largest length tolerance of `{}` (dr_mm, dl_mm, position_mm of joints) is {share} of the reach",
         set.name
     );
     lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
 }
 
-/// Warns if elastic errors may rotate a joint by an implausible angle, or if compliances lack masses.
+/// Warns if elastic errors may rotate a joint by an implausible angle. Also warns if compliances have no
+/// effect, because the joints carry no mass.
 fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
     let (chain, set) = (Chain::new(&cell.robot).with_errors(cell.error_set()), cell.error_set());
     let name = set.name();

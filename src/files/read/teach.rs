@@ -25,7 +25,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<[(f64, f64); 3]
     if height < TEACH_HEIGHT {
         let [is, least] = [height, TEACH_HEIGHT].map(|h| plain(units::rounded(units::mm_from_m(h), 1)));
         let message = format!("the points of `teach_mm` lie nearly in line: their triangle is {is} mm high");
-        t.error(node.at, message, format!("spread them out: at least {least} mm; the farther, the better"));
+        t.error(node.at, message, format!("make the triangle at least {least} mm high; higher is better"));
     }
     Some([a, b, c].map(|p| (p.x, p.y)))
 }

@@ -1,8 +1,8 @@
 //! JSON Schema of the files.
 //!
-//! The schemas use draft 7. Draft 7 is the oldest draft with `if`, which the keys of joints and of files with
-//! `from` need. Draft 7 is also the newest draft that TOML editors support fully. There is no `$ref`, so that
-//! every key shows its description.
+//! The schemas use draft 7. Draft 7 is the oldest draft with `if`. The schemas of joints and of files with
+//! `from` use `if`. Draft 7 is also the newest draft that TOML editors support fully. There is no `$ref`, so
+//! that every key shows its description.
 //!
 //! Only the reader decides whether a file is valid. A schema sees a single file: it knows keys, types, ranges
 //! and words. A schema knows neither the keys that another file contributes nor what a name refers to.

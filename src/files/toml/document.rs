@@ -18,7 +18,7 @@ const MAX_NAMED: usize = 100_000_000;
 
 const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
-const NAMING: &str = "write its path relative to the folder of the file that names it";
+const NAMING: &str = "write a path relative to the folder of the file that contains this key";
 
 const TOML_FILE: &str = "a cell or robot file in TOML";
 

@@ -286,7 +286,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         let (Some(node), Some(keys)) = (self.get(key), key.kind.table()) else { return Vec::new() };
         if !matches!(node.value, Value::Table(_)) {
             let message = format!("`{}` must be tables with names, not {}", key.name, node.value.kind());
-            self.error(node.at, message, format!("write [{}.NAME] above the keys of each", key.name));
+            self.error(node.at, message, format!("write [{}.NAME] above every entry", key.name));
         }
         let read_one = |(name, at, node): &'n Entry| {
             let known = value::checked_name(name, *at, self.lib).is_some();

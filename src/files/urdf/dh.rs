@@ -8,7 +8,7 @@
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. The x axis of frame 0 is
 //!   the projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees
 //!   of the base x axis, the base y axis is projected instead;
-//! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
+//! - parallel axes: r = 0. If the two axes lie on the same line, theta and l are also 0;
 //! - direction of x: a row rotates x by at most a right angle. So l may be negative, as in many data sheets.
 //!   If the rotation is a right angle, l > 0. If the axes also intersect (l = 0), theta = +90 degrees;
 //! - the last row leads from the last joint axis to the z axis of the tip link. If the two axes are parallel,
@@ -70,8 +70,8 @@ const SHORTEST: f64 = 1e-13;
 /// exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last joint axis and the z axis of the tip at which a row connects the
-/// two axes. At a smaller angle all values of the last row are 0, unless the axes are parallel.
+/// Sine of the least angle at which a row connects the last joint axis to the tip z axis. At a smaller
+/// angle all values of the last row are 0, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.

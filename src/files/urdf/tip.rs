@@ -8,15 +8,13 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Least number of moving joints that must precede a branching, so that its moving branches count as the
-/// fingers of a gripper.
+/// Least number of moving joints before a branching whose moving branches count as the fingers of a gripper.
 const ARM: usize = 3;
 
 /// Largest number of moving joints of a finger.
 const FINGER: usize = 3;
 
-/// Least number of moving joints that must precede a short prismatic joint at the end, so that this joint
-/// counts as the jaw of a gripper.
+/// Least number of moving joints before a short prismatic joint at the end that counts as a gripper jaw.
 const ARM_BEFORE_JAW: usize = 5;
 
 /// Largest travel of a jaw, m.

@@ -261,8 +261,8 @@ fn thinning(map: &OperationMap) -> usize {
 
 /// Returns the error in x and y that the arrow of a node shows, m.
 ///
-/// An error without a sign has the size of its figure in the sense `xy`. The direction is the direction of
-/// the error at the worst corner of the tolerance box.
+/// A worst case or a statistic has no sign: the length of its arrow is the figure in the sense `xy`. The
+/// direction is the direction of the error at the worst corner of the tolerance box.
 fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
     let (cell, error) = (a.cell, p.error.xy());
     let Some(sense) = map.sense("xy").filter(|_| !ErrorView::of(cell).is_signed()) else { return error };

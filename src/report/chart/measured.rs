@@ -64,7 +64,8 @@ pub fn measured(file: &ComparedFile) -> String {
     canvas.finish()
 }
 
-/// Returns the least thinning `n` with which every n-th of `count` positions gives at most `most` positions.
+/// Returns the thinning `n`: every n-th position is drawn. This is the least thinning that draws at most
+/// `most` of `count` positions.
 pub fn thinning(count: usize, most: usize) -> usize {
     count.div_ceil(most).max(1)
 }
@@ -105,7 +106,8 @@ fn enlargement(drawn: &[&ComparedPosition], px_per_mm: f64) -> f64 {
     if long > NOTHING { round_down(LONG_ARROW / (long * px_per_mm), DIGITS) } else { 1.0 }
 }
 
-/// Draws the legend with a bar that shows the length of a round error. `stretch` is in px per mm of error.
+/// Draws the legend with a scale bar for an error of a round size, such as 0.5 mm. `stretch` is in px per mm
+/// of error.
 fn draw_legend(canvas: &mut ChartCanvas, stretch: f64, enlarged: f64, has_direction: bool) {
     let entry = |ink: Ink, said: &str| LegendEntry {
         mark: format!("<path d=\"{}\" {}/>", arrow((-11.0, 0.0), (22.0, 0.0)), ink.line(1.8)),

@@ -55,8 +55,8 @@ pub fn tornado(a: &BudgetReport<'_>) -> String {
     canvas.finish()
 }
 
-/// Returns the function that picks the share to draw. The statistical reading draws the share of the
-/// variance, any other reading the share of the worst case.
+/// Returns the function that picks the share to draw. Under the statistical reading, this is the share of the
+/// variance. Under any other reading, this is the share of the worst case.
 fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
     match a.context.evaluator.reading {
         Reading::Statistical => |s| s.of_variance,

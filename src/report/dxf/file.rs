@@ -86,8 +86,9 @@ const FIRST_HANDLE: u64 = 0x10;
 /// Name of the dimension style.
 const STYLE: &str = "MM";
 
-/// Indices of model space and paper space among the spaces.
+/// Index of the model space among the spaces.
 const MODEL: usize = 0;
+/// Index of the paper space among the spaces.
 const PAPER: usize = 1;
 
 /// Drawing under construction; entities go to the model space unless a block or the paper space is being

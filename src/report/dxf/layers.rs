@@ -12,8 +12,9 @@ pub const DIMENSIONS: &str = "DIMENSIONS";
 pub const TEXT: &str = "TEXT";
 /// Layer of the triangles of all solids.
 pub const FACES: &str = "FACES";
-/// Layers of the frame of the paper and of its viewport.
+/// Layer of the frame and the title block on the paper.
 pub const TITLE: &str = "TITLE_BLOCK";
+/// Layer of the viewport on the paper.
 pub const VIEWPORT: &str = "VIEWPORT";
 
 /// Names and AutoCAD colour indices. Every colour has a contrast ratio of at least 3 on a white background

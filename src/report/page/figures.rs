@@ -160,7 +160,8 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
     PageTable::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
-/// Returns the section on the linearized model; empty if no figure of the report depends on it noticeably.
+/// Returns the section on the linearized model. The section is empty if no figure of the report depends
+/// noticeably on this model.
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows how far the linearized error model deviates from the nonlinear model, \

@@ -11,8 +11,9 @@ use crate::report::sheet::ink::TextStyle;
 use crate::report::sheet::title::{BlockEntries, block, layout_name};
 use crate::report::sheet::{Paper, PaperSheet, SheetNumber};
 
-/// Top of the content, and its lowest point above the title block, mm.
+/// Top of the content, mm.
 const TOP: f64 = 13.0;
+/// Lowest point of the content, above the title block, mm.
 const BOTTOM: f64 = 244.0;
 /// Share of the width of the frame that the content occupies.
 const INSET: f64 = 0.95;

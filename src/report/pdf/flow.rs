@@ -7,14 +7,17 @@ use crate::report::sheet::ink::{TextStyle, put};
 use crate::report::sheet::{BLOCK, FILING_MARGIN, Paper};
 use std::fmt::Write;
 
-/// Left edge and width of the text, mm.
+/// Left edge of the text, mm.
 pub const LEFT: f64 = FILING_MARGIN;
+/// Width of the text, mm.
 pub const WIDTH: f64 = BLOCK.0;
-/// Top and bottom of the text on a page, mm.
+/// Top of the text on a page, mm.
 const TOP: f64 = 16.0;
+/// Bottom of the text on a page, mm.
 const BOTTOM: f64 = 279.0;
-/// Height of the font of paragraphs, and distance of their lines, mm.
+/// Height of the font of paragraphs, mm.
 const FONT: f64 = 2.9;
+/// Distance between successive lines of a paragraph or a heading, mm.
 const LINE: f64 = 4.2;
 /// Greatest height of a picture, mm.
 const HIGHEST: f64 = 106.0;
@@ -167,8 +170,8 @@ pub fn size(svg: &str) -> Option<(f64, f64)> {
     Some((width.parse().ok()?, height.parse().ok()?)).filter(|(width, _)| *width > 0.0)
 }
 
-/// Returns a picture as an element of a page, with its upper left corner at `at` (mm). The number becomes a
-/// prefix of the element names of the picture.
+/// Returns a picture as an element of a page, with its upper left corner at `(x, y)`, mm. The number becomes
+/// a prefix of the element names of the picture.
 fn nested(svg: &str, number: usize, (x, y): (f64, f64), (width, height): (f64, f64)) -> String {
     let place = format!("x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"");
     let own = size(svg).map_or(String::new(), |(w, h)| format!(" width=\"{w}\" height=\"{h}\""));

@@ -4,8 +4,9 @@ use crate::report::chart::words;
 use crate::report::page::PageTable;
 use crate::report::sheet::ink::{TextAnchor, TextStyle, put, stroke};
 
-/// Height of the font, and of the font of a table that would otherwise be too wide, mm.
+/// Height of the font of a table, mm.
 const FONT: f64 = 2.5;
+/// Height of the font of a table that would otherwise be too wide, mm.
 const SMALL: f64 = 2.0;
 /// Distance between two columns, mm.
 const GAP: f64 = 2.5;

@@ -77,8 +77,8 @@ pub struct Arrangement {
     pub bar: (f64, f64),
 }
 
-/// Returns the arrangement with the largest scale that fits on A3, on the smallest paper on which this scale
-/// fits.
+/// Returns the arrangement with the largest scale that fits on A3. The paper is the smallest on which this
+/// scale fits.
 pub fn arranged(needs: &Needs, projection: Projection) -> Arrangement {
     let last = SCALES[SCALES.len() - 1];
     let fits = |ratio: f64| PAPERS.into_iter().find(|paper| fits(needs, paper, ratio));

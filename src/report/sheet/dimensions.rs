@@ -31,8 +31,8 @@ pub struct Mark {
     pub equipment: usize,
     /// Corner nearest to the robot base, in the world frame, m.
     pub corner: Vector2<f64>,
-    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the yaw tolerance
-    /// leaves less than 0.1 mm.
+    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if less than
+    /// 0.1 mm remains after the allowance for an error of the yaw.
     pub tolerance: [Option<f64>; 2],
     /// Tolerance of the yaw, rad; 0 if none is stated.
     pub turn: f64,

@@ -13,8 +13,9 @@ use crate::units::{deg_from_rad, mm_from_m, rounded, wrapped};
 const LINE: f64 = 4.2;
 /// Height of the font of the list, mm.
 const FONT: f64 = 2.5;
-/// Width of the first column, and right ends of the other columns from the left edge, mm.
+/// Width of the first column, mm.
 const FIRST: f64 = 52.0;
+/// Right ends of the columns of numbers, from the left edge of the list, mm.
 const ENDS: [f64; 6] = [68.0, 84.0, 100.0, 116.0, 132.0, 148.0];
 /// Left and right end of the last column, which contains text, mm.
 const LAST: (f64, f64) = (151.0, BLOCK.0);

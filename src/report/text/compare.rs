@@ -125,8 +125,8 @@ fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Adds the value of an operation that happens at every node. Adds the margin to the limit if the operation
-/// has a limit and the objective is not a share.
+/// Adds the value of an operation that happens at every node. If the operation has a limit and the
+/// objective is an error, adds a row with the margin to this limit.
 fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
     if operation.over.needs_every_node() {
@@ -141,7 +141,8 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Describes whether a limit is met, and by which margin. An objective that is a cost has no margin.
+/// Describes whether a limit is met, and by which margin. No margin is given if the objective is a cost of
+/// tolerances.
 pub fn margin(unit: Unit, r: Requirement) -> String {
     if !r.known {
         "not guaranteed: no bound over the misplacements is known".into()

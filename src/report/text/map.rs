@@ -12,7 +12,7 @@ use crate::safe_text::shown;
 use crate::units::deg_from_rad;
 use std::fmt::Write;
 
-/// Returns the summary of every map, of the transfers and of the feasibility.
+/// Returns the summary of every map, of the motions between the operations, and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
     // The reasons why a layout is not feasible come before its figures.
     let mut out = super::certificate(a);

@@ -129,7 +129,7 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Returns why errors that compensate each other have no worst case and no statistics, in one line.
+/// Returns a line with the reason why errors that compensate each other have no worst case and no statistics.
 pub fn no_tolerances() -> String {
     format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }

@@ -115,7 +115,7 @@ fn a_front_of_error_and_cost_states_what_allocate_finds() {
     // Without limits, the cost of tolerances is not defined.
     let refused = shop.run(&["search", CELL, "--pareto", "error,cost"]);
     assert_eq!(refused.code, Some(2));
-    assert!(refused.err.contains("no limit that the tolerances must keep"), "{}", refused.err);
+    assert!(refused.err.contains("no limit that the tolerances must meet"), "{}", refused.err);
 }
 
 const PRICED: &str = "reading = \"worst-case\"\n";

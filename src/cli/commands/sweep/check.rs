@@ -42,9 +42,9 @@ pub fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Resu
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// Adds to the help text of a fault how many combinations have the fault, and the settings of the first of
-/// them. Adds nothing if every combination has the fault. Also adds nothing if the fault lies in a `--set`
-/// value and every combination with that value has the fault.
+/// Appends the number of combinations with a fault, and the settings of the first such combination, to the
+/// help text of the fault. Adds nothing if every combination has the fault. Also adds nothing if the fault
+/// lies in a `--set` value and every combination with that value has the fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));

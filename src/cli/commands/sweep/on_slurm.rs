@@ -37,8 +37,8 @@ pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOpti
     Ok(())
 }
 
-/// Submits the missing combinations and waits for their files. Submits combinations again that are still
-/// missing after the job.
+/// Submits the missing combinations and waits for their files. Repeats this at most `RETRIES` times for the
+/// combinations that are still missing after the job.
 ///
 /// Returns early if a signal stops this program; the job continues.
 pub fn run_on_slurm(

@@ -110,8 +110,8 @@ fn age(folder: &Path, index: usize, number: u32, now: SystemTime) -> f64 {
     beaten.ok().and_then(|at| now.duration_since(at).ok()).map_or(0.0, |age| age.as_secs_f64())
 }
 
-/// Returns the current time by the clock of the file server, which also dates the heartbeats. A new file gets
-/// this time. Returns the time of this host if the folder cannot be written.
+/// Returns the current time by the clock of the file server, which also dates the heartbeats. Reads this time
+/// from the date of a new temporary file. Returns the time of this host if the folder cannot be written.
 fn server_time(folder: &Path) -> SystemTime {
     let new = tempfile::tempfile_in(folder.join(CLAIMS));
     let date = new.and_then(|file| file.metadata()).and_then(|about| about.modified());

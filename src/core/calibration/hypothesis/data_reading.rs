@@ -19,8 +19,8 @@ pub struct DataReading {
     /// Whether the frame of the positions is left-handed: two columns are swapped, or one column has the
     /// wrong sign.
     pub mirrored: bool,
-    /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
-    /// base and reflector are fitted.
+    /// Root mean square distance of measured from nominal positions, m. The worst tenth of the rows is left
+    /// out. Base and reflectors are fitted.
     pub rms: f64,
     /// Root mean square distance of the plain reading, m. The plain reading keeps columns, signs and zeros as
     /// in the file.

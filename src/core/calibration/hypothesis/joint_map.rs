@@ -20,7 +20,8 @@ pub struct JointMap {
     pub signs: [f64; MAX_JOINTS],
     /// Offset of every revolute joint, rad: a multiple of 90 degrees.
     pub offsets: [f64; MAX_JOINTS],
-    /// Couplings: joint, earlier joint, and the factor (1 or -1) of the value that is added.
+    /// Couplings: joint, earlier joint, and factor (1 or -1). The value of the earlier joint times the factor
+    /// is added to the joint.
     pub couplings: [Option<(usize, usize, f64)>; MAX_COUPLINGS],
 }
 

@@ -29,8 +29,8 @@ use linear_score::LinearScore;
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
 
-/// The plain reading is kept, and no other hypothesis is tried, if its root mean square distance is below
-/// this share of the reach of the arm.
+/// The plain reading is kept if its root mean square distance is below this share of the reach of the arm.
+/// No other hypothesis is tried in this case.
 const GOOD: f64 = 1e-3;
 
 /// Factor by which another hypothesis must reduce the distance of the plain reading.

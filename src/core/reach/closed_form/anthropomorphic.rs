@@ -120,7 +120,7 @@ impl Anthropomorphic {
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
     /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of these
-    /// circles, or where the wrist centre is nearest to axis 1. The inner circle matters only for a target
+    /// circles, or at the least possible distance from axis 1. The inner circle matters only for a target
     /// inside it.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         let (least, most) = self.links.range();
@@ -200,5 +200,5 @@ fn angle(k: usize) -> f64 {
     TAU * k as f64 / ANGLES as f64
 }
 
-/// Least lower bound, m, that [`Anthropomorphic::solve`] returns for an unreachable target if `fast` is set.
+/// Smallest value, m, that [`Anthropomorphic::solve`] returns for an unreachable target if `fast` is set.
 const LEAST_BOUND: f64 = 1e-12;

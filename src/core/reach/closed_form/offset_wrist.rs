@@ -94,8 +94,9 @@ impl OffsetWrist {
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. If the first three joints cannot reach P, the measure is their least distance from P. Otherwise
-    /// the measure is the least cosine error of the angle between axes 4 and 5, times the forearm length r_4.
+    /// reach. Let P be the intersection of axes 4 and 5. If the first three joints reach P at no scanned
+    /// theta_6, the measure is their least distance from P. Otherwise the measure is the least cosine error
+    /// of the angle between axes 4 and 5, times the forearm length r_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)
@@ -175,7 +176,10 @@ impl OffsetWrist {
         (posture.cos[5], posture.sin[5]) = theta6;
     }
 
-    /// Returns the least distance (m) of P from the reach of the first three joints, over a scan of theta_6.
+    /// Returns the least distance (m) between P and the points that the first three joints reach.
+    ///
+    /// P is the intersection of axes 4 and 5. The function computes the distance at evenly spaced values of
+    /// theta_6.
     fn distance(&self, axis: &FixedAxis, scratch: &mut Posture) -> f64 {
         const ANGLES: usize = 16;
         let turns = (0..ANGLES).map(|k| (std::f64::consts::TAU * k as f64 / ANGLES as f64).sin_cos());

@@ -157,7 +157,8 @@ impl PlanarArm {
     /// two attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from
     /// 6 on hold the index of the spin.
     ///
-    /// `spins` holds the first spins of `attitudes`, rad; an arm without a roll axis ignores them.
+    /// `spins` (rad) is the list of spins in `attitudes`, or the beginning of this list. An arm without a
+    /// roll axis ignores `spins`.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]

@@ -129,8 +129,10 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
     nearest
 }
 
-/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the
-/// cells.
+/// Computes the distance transform along one line of cells.
+///
+/// The squared distance by way of cell k, at the position x on the line, is the parabola
+/// `square[k] + (x - k)^2`. The lower envelope of these parabolas is the transform.
 ///
 /// For each cell, `nearest` holds the index of the nearest filled cell. `square` holds the squared distance
 /// to that cell, in squared cell sides. `cell` returns the index of the cell at a position on the line.

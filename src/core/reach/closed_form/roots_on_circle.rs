@@ -14,7 +14,7 @@ const COUNT: usize = PositioningArm::BRANCHES;
 const INTERVALS: usize = 32;
 /// Largest number of roots.
 const MAX_ROOTS: usize = 16;
-/// An interval narrower than this width, rad, is not halved to find pairs of roots.
+/// Least width, rad, of an interval that the scan halves when roots or functions may hide inside.
 const LEAST_WIDTH: f64 = 1e-5;
 /// The end of a function is known precisely if its interval is narrower than this width, rad.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
@@ -25,14 +25,18 @@ const NEAR_ZERO: f64 = 2.0;
 /// Largest second difference of a nearly linear function, as a share of the change of its value.
 const NEARLY_LINEAR: f64 = 0.5;
 /// Largest squared change of [`CircleValues::aside`] between two neighbouring angles.
+///
+/// If the change is larger, the scan halves the interval.
 const MAX_SWING: f64 = 0.2;
-/// Largest absolute value at an accepted root.
+/// Largest absolute value of a function at an accepted root.
 const ACCURACY: f64 = 1e-9;
-/// Absolute value at which the iteration for a root ends.
+/// Absolute value of a function below which the iteration for a root ends.
 const EXACT: f64 = 1e-15;
 /// Largest number of steps to a root.
 const STEPS: usize = 60;
-/// Number of slow steps after which an interval is bisected.
+/// Number of consecutive slow steps after which an interval is bisected.
+///
+/// A step of the false-position method is slow if more than half of the interval remains.
 const MAX_SLOW_STEPS: usize = 3;
 
 /// Values of the functions at one angle.
@@ -40,7 +44,9 @@ const MAX_SLOW_STEPS: usize = 3;
 pub(super) struct CircleValues {
     /// Value of each function; NaN if the function does not exist.
     pub functions: [f64; COUNT],
-    /// Two more coordinates of a curve whose first coordinate is the function.
+    /// Two coordinates of a curve in space, for each function. The function value is the third coordinate.
+    ///
+    /// A large change of these coordinates shows that the curve moves far between two angles.
     pub aside: [(f64, f64); COUNT],
     /// Measure of the distance to an angle at which a function exists; 0 if a function exists here.
     pub gap: f64,
@@ -122,8 +128,8 @@ impl CircleRoots {
     /// `low` and `high` contain the angle (rad) and the function value at the ends of the interval.
     ///
     /// The method is the false position of N. Anderson and A. Bjorck, "A new high order method of regula
-    /// falsi type for computing a root of an equation", BIT 13, 1973. After slow steps, the interval is
-    /// bisected.
+    /// falsi type for computing a root of an equation", BIT 13, 1973. After [`MAX_SLOW_STEPS`] slow steps, a
+    /// bisection follows.
     fn locate(
         &mut self,
         at: &mut impl FnMut(f64) -> Sample,
@@ -168,8 +174,8 @@ impl CircleRoots {
     }
 }
 
-/// Returns whether function `k` may have roots between three neighbouring angles that the signs of its values
-/// do not show.
+/// Returns whether function `k` may have roots that the signs of its values at three neighbouring angles do
+/// not show.
 ///
 /// `width` is the distance between the outer angles, rad.
 fn hides_roots(samples: [&Sample; 3], k: usize, width: f64) -> bool {

@@ -13,8 +13,8 @@ use nalgebra::{Matrix3, Vector3};
 /// target at the edge of the reach.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
-/// Two axes count as aligned if the sine of their angle is below this value, because their common normal has
-/// no reliable direction.
+/// Two axes count as aligned if the sine of their angle is below this value. The common normal of aligned
+/// axes has no reliable direction.
 ///
 /// A point counts as lying on an axis if its distance (m) from the axis is below this value.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;

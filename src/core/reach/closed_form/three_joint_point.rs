@@ -99,8 +99,7 @@ impl ThreeJointPoint {
         (q.x.hypot(q.y), q.z)
     }
 
-    /// Returns an upper bound of the distance that the point moves per unit rotation of joints 2 and 3
-    /// together, m/rad.
+    /// Returns an upper bound of the motion of the point (m/rad) if joints 2 and 3 rotate by equal angles.
     pub fn travel(&self) -> f64 {
         let [_, second, third] = &self.links;
         let about_third = third.l.hypot(third.sin_alpha * self.r4);

@@ -41,7 +41,7 @@ struct Third {
     rising: bool,
 }
 
-/// Least lower bound, m, that [`ThreeJoints::solve`] returns for an unreachable target if `fast` is set.
+/// Smallest value, m, that [`ThreeJoints::solve`] returns for an unreachable target if `fast` is set.
 const LEAST_BOUND: f64 = 1e-12;
 
 impl ThreeJoints {

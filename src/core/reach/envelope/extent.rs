@@ -1,9 +1,10 @@
 //! Extent of a working envelope: least and greatest distance from the base axis, least and greatest height.
 //!
 //! The lattice of the envelope gives sampled points. Compass searches from the best of these points find each
-//! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The polled directions
-//! rotate by the golden angle, so that some of them also point into a sharp tip of the envelope. The polling
-//! distance doubles after a gain.
+//! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). A poll tests points in
+//! several directions, all at the polling distance. Each direction is rotated from the previous one by the
+//! golden angle. So some directions also point into a sharp tip of the envelope. The polling distance doubles
+//! after a gain.
 
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 const ACCURACY: f64 = 1e-4;
 /// Least polling distance, m.
 const LEAST_STEP: f64 = ACCURACY / 10.0;
-/// Number of directions of one poll.
+/// Number of directions in which one poll tests a point.
 const DIRECTIONS: usize = 8;
 /// Greatest number of polls of one search; about a hundred are usual.
 const MAX_POLLS: usize = 1000;

@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 /// The integrand counts as discontinuous if it changes by more than this value between neighbouring points.
 ///
-/// The integrand is an angle in rad, or 1 at reachable points and 0 at other points.
+/// For a symmetric envelope, the integrand is the reachable angle (rad). For any other envelope, the
+/// integrand is 1 at reachable points and 0 at other points.
 const JUMP: f64 = 0.05;
 
 /// Volume and extent of an envelope.

@@ -1,4 +1,6 @@
-//! Angles 3 and 4 at a root of the determinant, from the null space of twelve equations.
+//! Computation of the loop angles 3 and 4 from the null space of twelve linear equations.
+//!
+//! Angle 2 is a root of the determinant of these equations.
 //!
 //! The twelve unknowns are the products `ccc`, `ccs`, `css`, `sss` of angle 3, each times `cc`, `cs`, `ss` of
 //! angle 4. Here `c` and `s` are the cosine and the sine of half an angle. At a simple root, the null space
@@ -18,7 +20,7 @@ const SMALL_PIVOT: f64 = 2e-3;
 /// Largest number of solutions with the same angle 2 that can be distinguished.
 const SHARED: usize = 4;
 
-/// Angle (rad) added to half of angle 3, so that the half tangents of frequent angles are not infinite.
+/// Angle (rad) added to half of angle 3, so that the tangent of the sum is finite at 180 degrees.
 const HALF_ROTATION: f64 = 0.7;
 
 /// An eigenvalue counts as real if its imaginary part is below this share of its absolute value.
@@ -33,12 +35,15 @@ const SCHUR_ACCURACY: f64 = 1e-14;
 /// Largest number of iterations for the eigenvalues.
 const SCHUR_STEPS: usize = 60;
 
-/// The common root of two equations for angle 4 is computed if the squared sine of the angle between the
-/// equations is above this value.
+/// Least squared length of a cross product from which the common root for angle 4 is computed.
+///
+/// The factors of the cross product are the coefficient vectors of two equations. The value is a share of the
+/// fourth power of the length of the longest vector.
 const INDEPENDENT: f64 = 1e-8;
 
-/// The two roots of one equation for angle 4 are computed if the squared sine of the angle between both
-/// equations is below this value.
+/// Largest squared length of a cross product at which both roots of one equation for angle 4 are computed.
+///
+/// The value is a share, as in [`INDEPENDENT`].
 const DEPENDENT: f64 = 1e-4;
 
 /// Twelve nearly singular equations in upper triangular form.
@@ -102,8 +107,8 @@ pub(super) fn angle_pairs(equations: &HalfAngleRows, limit: f64, found: &mut imp
 
 /// Returns the angles 3 and 4 (rad) of a vector of the twelve products.
 ///
-/// The ratio of two neighbouring products is the ratio of cosine to sine of half an angle. The sums weight
-/// these ratios by the size of the products.
+/// The ratio of two neighbouring products is the ratio of cosine to sine of half an angle. The sums over
+/// all pairs of neighbouring products give large products more weight.
 fn single_pair(vector: &[f64; 12]) -> [f64; 2] {
     let squares = |(c, s): (f64, f64)| Vector3::new(c * c, c * s, s * s);
     let third = (0..9).map(|k| (vector[k], vector[k + 3]));
@@ -137,7 +142,7 @@ fn several_pairs(equations: &HalfAngleRows, space: &NullSpace, found: &mut impl 
 
 /// Calls `found` with the values of angle 4 (rad) that satisfy the equations at one angle 3 (rad).
 ///
-/// An equation is a weighted sum of `cc`, `cs` and `ss`, so a vector of three coefficients. The cross product
+/// An equation is a vector of three coefficients: the weights of `cc`, `cs` and `ss`. The cross product
 /// of two independent vectors is proportional to the common root. If all six vectors are nearly dependent,
 /// both roots of one equation are used. A least-squares solution is not needed, because Newton's method
 /// refines the result.

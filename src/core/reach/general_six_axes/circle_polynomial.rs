@@ -5,7 +5,7 @@ const DEGREE: usize = 8;
 
 /// Number of samples, 15 degrees apart.
 ///
-/// Twice the degree plus one, 17 samples, would define the polynomial. The other samples show the rounding
+/// A polynomial of degree 8 has 17 coefficients, so 17 samples define it. The other samples show the rounding
 /// error.
 const SAMPLES: usize = 24;
 

@@ -3,9 +3,10 @@
 //! These functions are faster than the decompositions of nalgebra for the determinants and for Newton's
 //! method. The functions can also stop after some of the columns.
 
-/// Brings the greatest entry of the first `count` columns, in the rows from `k` on, to the diagonal.
+/// Exchanges rows and columns so that the entry of greatest absolute value moves to row `k` and column `k`.
 ///
-/// The columns before `k` must be 0 in these rows. Returns the former column of this entry, or `None` if all
+/// The function searches the rows from `k` on, in the first `count` columns. The columns before `k` must be 0
+/// in these rows. Returns the former column of this entry, or `None` if all
 /// these entries are 0.
 #[inline(always)]
 fn pivot<const ROWS: usize, const WIDTH: usize>(
@@ -87,7 +88,10 @@ pub(super) fn triangulate<const SIZE: usize>(rows: &mut [[f64; SIZE]; SIZE]) -> 
     columns
 }
 
-/// Eliminates column `k` below its greatest entry, whose row is exchanged with row `k`.
+/// Eliminates column `k` from the rows below row `k`.
+///
+/// Beforehand, the function exchanges row `k` with a row from `k` on. The chosen row has the greatest
+/// absolute entry in column `k`.
 ///
 /// Returns the pivot, with its sign changed if rows were exchanged.
 #[inline(always)]

@@ -46,8 +46,9 @@ impl HalfAngleEquations {
     /// Returns the determinant of twelve rows: the six equations, alone and times the half tangent of angle
     /// 3.
     ///
-    /// Both halves share the first steps of the elimination. These steps leave rows `[A0 A1 A2]` and
-    /// `[0 B1 B2]`, so that determinants of six rows are enough.
+    /// Both sets of six equations have the same coefficients, shifted by three columns. So both sets share
+    /// the elimination of three columns. This elimination leaves the rows `[A0 A1 A2]` and `[0 B1 B2]` of
+    /// 3 x 3 blocks. The remaining eliminations need only matrices of six rows.
     fn determinant(&self, cos: f64, sin: f64) -> f64 {
         let mut first = self.at(cos, sin);
         // A change of sign occurs in both halves, so it cancels.

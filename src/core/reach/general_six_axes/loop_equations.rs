@@ -9,7 +9,7 @@ use crate::pose::Pose;
 /// The normal equations for angle 0 are nearly dependent if their determinant is below this share of the
 /// squared trace.
 ///
-/// Angle 0 then has two values.
+/// In this case, only one equation for angle 0 is independent, and this equation has two solutions.
 const NEARLY_DEPENDENT: f64 = 1e-12;
 
 /// Axis of place 5 in the frame after joint 1, as a function of the angles 2, 3 and 4.
@@ -21,10 +21,12 @@ pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],
 }
 
-/// Axis of place 5 in the frame of joint 1, as a function of angle 0, from the other end of the loop.
+/// Axis of place 5 in the frame of joint 1, as a function of angle 0.
+///
+/// The axis follows from a path backwards through the loop: link 0, joint 0 and link 5.
 ///
 /// The terms are the coefficients of 1, of the cosine and of the sine of angle 0. A rotation by minus angle 1
-/// leads to the inner side.
+/// converts the axis to the frame of [`InnerSide`].
 pub(super) struct OuterSide {
     terms: [LineCoordinates; 3],
 }

@@ -1,9 +1,10 @@
 //! Inverse kinematics of any arm with six revolute axes: all real solutions of a pose, at most 16.
 //!
 //! The method follows M. Raghavan, B. Roth, "Inverse kinematics of the general 6R manipulator and related
-//! linkages", Journal of Mechanical Design 115, 1993. D. Manocha, J. F. Canny, "Efficient inverse kinematics
-//! for general 6R manipulators", IEEE Transactions on Robotics and Automation 10, 1994, compute its roots as
-//! eigenvalues in floating-point numbers. Here, a polynomial on the unit circle has the same roots.
+//! linkages", Journal of Mechanical Design 115, 1993. D. Manocha and J. F. Canny compute the roots of the
+//! determinant as eigenvalues in floating-point numbers. Their paper is "Efficient inverse kinematics for
+//! general 6R manipulators", IEEE Transactions on Robotics and Automation 10, 1994. Here, a polynomial on the
+//! unit circle has the same roots.
 //!
 //! The arm and the inverse of the flange's pose form a closed loop. Let t_0 to t_5 be the joint angles and
 //! G_0 to G_5 constant rigid transformations, one of which contains the pose:

@@ -59,7 +59,9 @@ impl TaylorSeries {
         Self { terms, rest: polynomial.sixth_derivative() * factor * half / 6.0 }
     }
 
-    /// Returns an upper bound of the absolute value of the terms from `from` on, each times its weight.
+    /// Returns an upper bound of the absolute weighted sum of the terms, beginning with term `from`.
+    ///
+    /// The function `weight` returns the weight of a term.
     ///
     /// If term n has the weight n, the bound applies to the first derivative. If the weight is n (n - 1) / 2,
     /// the bound applies to half of the second derivative.

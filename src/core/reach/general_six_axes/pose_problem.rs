@@ -16,12 +16,14 @@ const MAX_SOLUTIONS: usize = 16;
 /// Two solutions count as the same if their joint angles differ by less than this value, rad.
 const SAME_JOINT: f64 = 1e-5;
 
-/// A start may be the middle of two solutions if its distance from the solution found is below this value,
-/// rad.
+/// Joint difference, rad, between a start of Newton's method and its solution.
+///
+/// Below this value, the start may lie between two nearby solutions.
 const NEAR_START: f64 = 0.2;
 
-/// The first step of Newton's method overshoots if its ratio to the whole change of a joint is above this
-/// value.
+/// Ratio of the first step of Newton's method to the largest whole change of a joint.
+///
+/// Above this value, the first step overshoots the solution.
 const OVERSHOOT: f64 = 1.05;
 
 /// Largest residual of the equations at a start of Newton's method.
@@ -42,10 +44,12 @@ const UNCERTAIN: f64 = 1e-3;
 /// Largest uncertainty, rad, by which the vicinity of a root is extended.
 const MAX_EXTENSION: f64 = 0.1;
 
-/// Largest value, rad, of a quarter of the width of a root's vicinity.
+/// Upper limit, rad, of the angle whose tangent is the scale of a magnified polynomial.
+///
+/// Up to this limit, the angle is a quarter of the width of the magnified interval.
 const MAX_HALF_SPAN: f64 = 0.7;
 
-/// Share of each half of the circle, from angle 0 on, in which the roots of a magnified polynomial are used.
+/// Largest absolute angle, as a share of pi, at which a root of a magnified polynomial is used.
 const MAGNIFIED: f64 = 0.7;
 
 /// Distinct solutions of one pose, as joint angles in rad.
@@ -183,7 +187,8 @@ impl JointSolutions {
 
     /// Returns the solution to which Newton's method leads from a start (rad), and adds it if it is new.
     ///
-    /// Returns `None` if there is no such solution, or if the start itself is known.
+    /// Returns `None` if there is no such solution. Also returns `None` if the start is a known solution, or
+    /// if the set is full.
     fn refine(&mut self, arm: &ScaledArm, start: [f64; 6], target: &Pose) -> Option<RefinedJoints> {
         if self.count == MAX_SOLUTIONS || self.contains(&start) {
             return None;

@@ -3,8 +3,9 @@
 use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Number of consecutive start postures without a new solution after which the search ends, if a solution is
-/// known.
+/// Largest number of consecutive start postures without a new solution.
+///
+/// After this number, the search ends if a solution is known.
 const MAX_IDLE_STARTS: usize = 256;
 /// Largest number of reported solutions: a chain of six revolute joints has up to 16.
 const MAX_SOLUTIONS: usize = 16;
@@ -13,7 +14,8 @@ const MAX_COLLECTED: usize = 64;
 /// Two solutions count as the same if no joint differs by more than this value, rad (m for a prismatic
 /// joint).
 const SAME_SOLUTION: f64 = 1e-4;
-/// Least joint difference between two collected solutions of a continuum, rad (m for a prismatic joint).
+/// Least joint difference between two collected solutions of a redundant chain, rad (m for a prismatic
+/// joint).
 const CONTINUUM_SPACING: f64 = 0.1;
 
 /// Solution of the numeric solver, and the start posture that leads to it.

@@ -105,8 +105,8 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
 ///
 /// Here `l_i` is the i-th eigenvalue of the covariance.
 ///
-/// One square root is computed for each pair of factors: the root of the product of the two factors whose
-/// argument is between 0 and pi.
+/// One square root is computed for each pair of factors: the root of the product of the two factors. The
+/// argument of this root is between 0 and pi.
 fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     let (mut re, mut im) = ([1.0; N], [0.0; N]);
     for pair in spectrum.l[..spectrum.rank.next_multiple_of(2)].chunks_exact(2) {

@@ -1,10 +1,12 @@
 //! Lower bounds of the RMS, the mean and percentiles of the norm of a centred normal vector.
 //!
-//! The norm depends only on the eigenvalues of the covariance. If the largest eigenvalue is the unit, such a
-//! figure is a function of one ratio of eigenvalues in a plane, and of two ratios in space. The function is
-//! symmetric and smooth: a table of samples, interpolated linearly in each ratio, exceeds it by less than
-//! [`CURVATURE`], which is subtracted. Where the slope of a mean is infinite (a ratio of 0), the function is
-//! concave, and the interpolated value is below it.
+//! The norm depends only on the eigenvalues of the covariance. A figure is scaled so that the largest
+//! eigenvalue is 1. The scaled figure is a function of one eigenvalue ratio for two components, and of two
+//! ratios for three components. The function is symmetric and smooth. A table of samples is interpolated
+//! linearly in each ratio. The interpolated value exceeds the function by less than the share [`CURVATURE`].
+//! The first lower bound is smaller than the interpolated value by this share. The mean as a function of a
+//! ratio has an infinite slope at the ratio 0. The function is concave there, so the interpolated value is
+//! below it.
 //!
 //! The figure never decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
 //! So the sample at the next smaller ratios is a second lower bound, and the greater of both is returned. The
@@ -20,8 +22,8 @@ const PLANE_STEPS: usize = 2048;
 /// Number of intervals into which the table divides the range of each of the two eigenvalue ratios, for
 /// vectors with three components.
 const SPACE_STEPS: usize = 96;
-/// Largest part by which an interpolated value may exceed the figure. The largest excess found among a million
-/// random ratios is a tenth of this value.
+/// Largest excess of an interpolated value over the figure, as a share of the interpolated value. The largest
+/// excess found among a million random ratios is a tenth of this value.
 const CURVATURE: f64 = 1e-4;
 /// Largest relative rounding error of an eigenvalue.
 const ROUNDING: f64 = 1e-7;
@@ -69,10 +71,11 @@ impl CentredBound {
         size * (1.0 + ROUNDING) * least
     }
 
-    /// Returns the root of the largest eigenvalue of a covariance, and three samples for its ratios of
-    /// eigenvalues: the next smaller sample, the interpolated value and the next greater sample.
+    /// Returns the square root of the largest eigenvalue of a covariance, and three samples at the eigenvalue
+    /// ratios. The samples are the next smaller sample, the interpolated value and the next greater sample.
     ///
-    /// `moved` is added to both ratios.
+    /// If there is no table (RMS), returns the square root of the trace, and 1 for each sample. `moved` is
+    /// added to both ratios.
     #[inline]
     fn samples_at(&self, c: &CovarianceEntries, moved: f64) -> (f64, [f64; 3]) {
         let Some(table) = self.table else { return ((c[0] + c[1] + c[2]).max(0.0).sqrt(), [1.0; 3]) };

@@ -80,7 +80,7 @@ impl CircleWalk {
 
     /// Sorts the keys: the place of a key is the number of smaller keys.
     ///
-    /// Without branches, this is faster than `sort_unstable` for up to 64 keys.
+    /// The sort has no branches, so it is faster than `sort_unstable` for up to 64 keys.
     fn sort(&mut self, n: usize) {
         let keys = &self.key[..n];
         for (k, key) in keys.iter().enumerate() {
