@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const HEIGHTS: &str = "equipment.worktable.placement.z_mm=";
 
@@ -291,15 +291,29 @@ fn a_full_disk_and_a_read_only_share_exit_3() {
     assert_whole(&shop, 3);
 }
 
-/// Starts a worker whose only combination takes some seconds.
-fn start_long(shop: &Sandbox, more: &[&str]) -> Worker {
-    let height = format!("{HEIGHTS}600");
-    let args = ["sweep", CELL, "--budget", LONG_BUDGET, "--set", &height];
+/// Starts a worker that evaluates `budget` layouts of its only combination.
+fn start_long(shop: &Sandbox, budget: u64, more: &[&str]) -> Worker {
+    let (height, budget) = (format!("{HEIGHTS}600"), budget.to_string());
+    let args = ["sweep", CELL, "--budget", &budget, "--set", &height];
     Worker::start(shop, &[&args[..], more].concat())
 }
 
-/// Number of layouts of a combination that takes some seconds.
-const LONG_BUDGET: &str = "100000";
+/// Sweeps one combination without interruption into the folder `straight`. Returns a number of layouts with
+/// which this takes at least 6 s. A worker writes its first checkpoint after 2 s.
+fn long_budget(shop: &Sandbox) -> u64 {
+    let mut budget = 100_000;
+    loop {
+        let began = Instant::now();
+        let straight = start_long(shop, budget, &["--out", "straight"]).ended();
+        assert_eq!(straight.code, Some(0), "{}", straight.err);
+        let seconds = began.elapsed().as_secs_f64();
+        if seconds >= 6.0 {
+            return budget;
+        }
+        budget = (budget as f64 * 8.0 / seconds).ceil() as u64;
+        std::fs::remove_dir_all(shop.path("straight")).unwrap();
+    }
+}
 
 /// Name of the checkpoint of the first combination.
 const FIRST_CHECKPOINT: &str = "shared/.sweetspot-0000.checkpoint";
@@ -318,7 +332,7 @@ fn continued(worker: &RunOutput) -> u64 {
 #[test]
 fn a_killed_combination_continues_from_its_checkpoint() {
     let shop = Sandbox::new();
-    let first = start_long(&shop, &["--claim", "shared", "--lease", "1"]);
+    let first = start_long(&shop, long_budget(&shop), &["--claim", "shared", "--lease", "1"]);
     wait_until("a checkpoint", || shop.path(FIRST_CHECKPOINT).exists());
     // Dropping a worker kills it.
     drop(first);
@@ -328,8 +342,6 @@ fn a_killed_combination_continues_from_its_checkpoint() {
     let stopped = second.stopped();
     let third = shop.done(&["sweep", "--claim", "shared"]);
     assert!(continued(&third) > continued(&stopped), "{} {}", stopped.err, third.err);
-    let straight = start_long(&shop, &["--out", "straight"]).ended();
-    assert_eq!(straight.code, Some(0), "{}", straight.err);
     assert_eq!(result(&shop, "shared"), result(&shop, "straight"));
 }
 
@@ -356,7 +368,8 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
         assert_eq!(result(&shop, &folder), result(&shop, "straight"), "{said}");
     };
     put("its text does not match the hash", b"{}");
-    let worker = start_long(&shop, &["--claim", "shared", "--lease", "1"]);
+    let budget = 100_000;
+    let worker = start_long(&shop, budget, &["--claim", "shared", "--lease", "1"]);
     wait_until("a claim", || shop.path("shared/claims/0000-1").exists());
     std::thread::sleep(Duration::from_millis(500));
     worker.stopped();
@@ -372,6 +385,6 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
         "{}",
         ran.err
     );
-    assert_eq!(start_long(&shop, &["--out", "long"]).ended().code, Some(0));
+    assert_eq!(start_long(&shop, budget, &["--out", "long"]).ended().code, Some(0));
     assert_eq!(result(&shop, "shared"), result(&shop, "long"));
 }
