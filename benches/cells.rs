@@ -1,4 +1,5 @@
-//! Cost of one layout of every shipped cell, on one thread: `cargo bench --bench cells [-- NAME ...]`.
+//! Computing time of one evaluation of a layout, on one thread: `cargo bench --bench cells [-- NAME ...]`.
+//! The cells are the 14 cells of `CELLS`, or those whose names contain a `NAME`.
 //!
 //! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and
 //! 20 deg of the best layout of a short search. "Ideal" layouts need to work only at their nominal
@@ -76,7 +77,7 @@ fn layouts(workcell: &Workcell) -> [Vec<Layout>; 2] {
     [random, plausible.collect()]
 }
 
-/// Returns the median cost of a layout, us.
+/// Returns the median computing time per layout, us.
 fn cost(workcell: &Workcell, layouts: &[Layout]) -> f64 {
     let mut workspace = Workspace::default();
     let mut round = || {

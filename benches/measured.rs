@@ -99,8 +99,8 @@ impl Data {
     }
 
     /// Prints, for every series except `without`, medians over the results. The figures are the mean error of
-    /// the predictions in mm, and the share of positions inside the 95 % ellipsoids in percent, with the
-    /// least and the greatest share.
+    /// the predictions, mm, and the share of positions inside the 95 % ellipsoids, percent. The least and the
+    /// greatest share of all results follow in parentheses.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
         for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
             let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));

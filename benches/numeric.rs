@@ -1,6 +1,6 @@
 //! Numeric inverse kinematics of the robots PUMA 560 and UR5, at 1000 poses each (tests/data).
 //!
-//! The name of a benchmark states how many poses one iteration solves, if there are several.
+//! If one iteration solves several poses, the name of the benchmark states their number.
 
 #![allow(clippy::expect_used, clippy::print_stderr)] // without its data, a benchmark has nothing to measure
 

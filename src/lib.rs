@@ -117,10 +117,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Study`] and the documents in [`record`] change only if the format version that they state or the
-//! major version of the package changes. The other modules are documented for programmers who build on
-//! them, and may change with any version. Items that serve only the command line are hidden from this
-//! documentation.
+//! [`Study`] changes only if the major version of the package changes. A document in [`record`] changes only
+//! if its format version or the major version of the package changes. The other modules are documented for
+//! programmers who build on them, and may change with any version. Items that serve only the command line are
+//! hidden from this documentation.
 //!
 //! The other modules give more detail, such as the error at every node:
 //!

@@ -23,8 +23,8 @@ fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
 /// Returns a cell whose start layout is the layout `layout` of `cell`. The text of its file begins with
 /// `comment`.
 ///
-/// The cell is read from the text that `sweetspot search` would write into a layout file, so all numbers are
-/// equal, bit for bit.
+/// The cell is read from the text that `sweetspot search` would write into a layout file. All numbers of the
+/// cell therefore equal the numbers of that file, bit for bit.
 pub fn at_layout(py: Python<'_>, cell: &Cell, layout: &Layout, name: &str, comment: &str) -> PyResult<Cell> {
     let file = cell.origin.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let lines: Vec<String> =

@@ -204,9 +204,13 @@ impl Evaluator {
     /// Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
     ///
     /// The cost of a layout within every limit is its objective, in `unit`. A layout that misses a limit
-    /// costs more than 100 times the weight of the objective. An infeasible layout costs at least 1000 times
-    /// the weight of the objective. The weight is a number of m, rad or shares, and is converted to `unit`.
-    /// The cost of an infeasible layout increases with its distance from feasibility.
+    /// costs more than 100 w, and an infeasible layout costs at least 1000 w. The cost of an infeasible
+    /// layout increases with its distance from feasibility.
+    ///
+    /// The weight w depends on the objective. For `sum`, w is the sum of the weights of the operations. For
+    /// `max`, w is the largest of these weights. For `lexicographic`, w is 1. For `tolerance-cost`, w is the
+    /// cost of the tightest tolerances. For an error, the multiples of w are in m or rad, and are converted
+    /// to `unit`. If `unit` is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
     #[pyo3(signature = (layouts, *, units=false))]
     fn __call__<'py>(
         &self,

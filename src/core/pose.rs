@@ -121,7 +121,7 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// Both motions and the result refer to one point: the position of the point before the motion `self`.
+    /// All three motions are seen at one place, where the point is before the motion `self`.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();

@@ -64,8 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Such a file cannot be a
-    /// damaged file of another kind.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. A damaged file of another
+    /// kind does not look like such a file.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

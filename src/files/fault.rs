@@ -25,7 +25,8 @@ pub enum FaultKind {
     Unreadable,
     /// The content of the cell or robot file itself shows that it is a file of another kind.
     Foreign(FileContent),
-    /// Warning from the import of a URDF. The warning stays the same until the URDF changes.
+    /// Warning from the import of a URDF. Only a few commands print this warning, because it stays the same
+    /// until the URDF changes.
     Import,
 }
 

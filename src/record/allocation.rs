@@ -25,7 +25,7 @@ pub struct AllocationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that is limited.
+    /// Name of the figure that the reading gives.
     pub quantity: String,
     pub registration: Registration,
     /// Share of random arms that must stay within each limit; null unless the quantity is the yield.
@@ -57,15 +57,17 @@ pub struct AllocationDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
-    /// The tolerances meet all limits at the least cost.
+    /// The tolerances meet all limits by the error model of the cell. `duality_gap` compares their cost with
+    /// its lower bound. A final reduction of all tolerances can increase this gap.
     Cheapest,
-    /// A figure that the error model of the cell gives still exceeds its limit after the last round.
+    /// A figure by the error model of the cell exceeds its limit, even after a final reduction of all
+    /// tolerances.
     Exceeded,
     /// Even the tightest tolerances exceed a limit.
     Infeasible,
 }
 
-/// One common scale of all tolerances that meets the limits.
+/// Uniform tightening: one scale for all tolerances with which every limit is met.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UniformEntry {
@@ -167,11 +169,11 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess of a judged figure over its limit after the first round, percent. Negative if the
-    /// solution meets all limits.
+    /// Largest excess of a judged figure over its limit after the first round, percent. Negative if all
+    /// figures of the first round are below their limits.
     pub missed_percent: f64,
-    /// Number of rounds after the first until the solution. Each round adapts the linear figures to the
-    /// judged figures.
+    /// Index of the round that gave the solution; the first round has the index 0. Each round adapts the
+    /// linear figures to the judged figures.
     pub rounds: usize,
     /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,

@@ -48,7 +48,8 @@ pub struct OperationBudget {
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
     /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
-    /// the errors of the sample compensate each other in one calibrated arm.
+    /// an error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and
+    /// are not tolerances.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation

@@ -192,7 +192,8 @@ impl OutlierRow {
 pub struct HarmonicsEntry {
     pub joint: String,
     /// Prior standard deviation of a coefficient of the highest order. The fit estimates this value together
-    /// with the coefficients. Orders up to 4 have twice the standard deviation of higher orders.
+    /// with the coefficients. A coefficient up to order 4 has twice the standard deviation of a coefficient
+    /// of higher order.
     pub prior_deg: f64,
     /// Root mean square of the identified error over one revolution of the joint.
     pub rms_deg: f64,

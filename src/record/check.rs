@@ -39,8 +39,9 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges. If lower bounds of the error leave some postures out, the value is
-    /// "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, the value is "every-posture".
+    /// Postures that the search judges. By lower bounds, "ranked-nodes" leaves out nodes, and
+    /// "bounded-postures" leaves out postures. By lower bounds, "spin-families" leaves out groups of postures
+    /// that differ in the last joint alone. "every-posture" leaves out none.
     pub judges: String,
     /// Reason why every posture is judged; null if lower bounds leave some postures out.
     pub why: Option<String>,

@@ -20,12 +20,12 @@ pub struct ErrorsDocument {
     #[schemars(extend("const" = ERRORS_SCHEMA))]
     pub schema: String,
     pub robot: String,
-    /// Name of the error set in the table for the robot file.
+    /// Name of the error set, as in the TOML table that `errors --toml` prints.
     pub name: String,
     /// Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
     /// error set of the robot.
     pub guess: bool,
-    /// Origin of the numbers in words, as in the table for the robot file.
+    /// Origin of the numbers in words, as in the TOML table that `errors --toml` prints.
     pub source: String,
     pub origin: ErrorOrigin,
     /// Name of the preset, or of the error set of the robot.
@@ -66,7 +66,7 @@ pub enum ErrorOrigin {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BaseChoice {
-    /// The base frame is fitted to each robot over its working space.
+    /// The base frame is fitted to each robot of the series, at sampled postures between the joint limits.
     Fitted,
     /// The base frame is the nominal base frame.
     Nominal,
@@ -171,8 +171,8 @@ pub struct GuessQuestion {
 }
 
 impl ErrorsDocument {
-    /// Makes the document of a guess with the name and the source of its error set. `total` is the accuracy
-    /// of the tolerances with the random errors.
+    /// Makes the document of a guess with the name and the source of its error set. `total` is the pose
+    /// accuracy that the tolerances give, including the random errors.
     pub fn new(
         robot: &Robot,
         question: &GuessQuestion,

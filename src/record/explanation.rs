@@ -80,8 +80,9 @@ pub struct ExplanationDocument {
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the
-    /// errors of the sample compensate each other in one calibrated arm.
+    /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if an
+    /// error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are
+    /// not tolerances.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation

@@ -145,7 +145,7 @@ pub struct LargestEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// Misplacement beyond the largest allowed misplacement, at which the operation cannot be done.
+    /// Larger misplacement at which the operation cannot be done.
     Lost(LostEntry),
     /// Larger misplacement at which the value of the operation exceeds the limit.
     Limit(CornerEntry),

@@ -23,7 +23,8 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest regret of choosing the spot by the signed sample; null if the signed sample chooses no spot.
+    /// Largest regret: value at the spot that the signed sample chooses, divided by the least value. Null if
+    /// no regret is known, for example if the signed sample chooses no spot.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,

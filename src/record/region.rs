@@ -71,8 +71,8 @@ impl RegionEntry {
 }
 
 impl TurnEntry {
-    /// Returns the rotation of the whole cell; None if no regions were computed, or if a piece cannot be
-    /// rotated.
+    /// Returns the rotation of the whole cell. Returns None if no regions were computed. Also returns None if
+    /// x, y or yaw of the equipment under an operation has no range.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
         let turn_deg = inward([*least, *most].map(degrees), 2);

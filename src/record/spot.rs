@@ -50,9 +50,9 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Error figures for several senses, each under the name of its sense; null if the operation has no spot. A
-/// figure that needs tolerances is also null if the errors are measured, because measured errors compensate
-/// each other in one arm.
+/// Error figures for several senses, each under the name of its sense; null if the operation has no spot.
+/// Worst case and statistics are null in the signed reading if an error dr or dl exceeds the arm's reach.
+/// Such errors compensate each other and are not tolerances.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.

@@ -109,7 +109,8 @@ pub fn file(controller: Controller, stem: &str, frames: &LayoutFrames) -> String
     }
 }
 
-/// Returns the comment at the start of a file: the origin of the frames and the convention of the controller.
+/// Returns the comment at the start of a file. The comment names cell, layout, robot, and the convention of
+/// the controller. It also names the operations without a spot.
 fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
     let LayoutFrames { cell, robot, layout, .. } = frames;
     let mut lines = vec![

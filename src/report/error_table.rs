@@ -1,4 +1,4 @@
-//! The table of an error set for the robot file, from tolerances.
+//! Table of an error set for the robot file, made from tolerances.
 
 use crate::cell::{COMPONENTS, Convention, Distribution, JointKind, PER_FRAME, Parameter, Robot, Spread};
 use crate::files::toml_string;

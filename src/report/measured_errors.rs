@@ -1,4 +1,4 @@
-//! The table `[errors.measured]` of a robot file, from a calibration.
+//! Table of the errors that a calibration has identified, or that a file states, for a robot file.
 
 use crate::calibration::{Calibration, Unknown};
 use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, PeriodicError, Robot, SignedErrors};

@@ -55,8 +55,8 @@ fn header(paths: &[&str], operations: &[&str], equipment: &[&str]) -> Vec<String
     header
 }
 
-/// Returns a value of a `--set` option for CSV. A number gets no apostrophe, because its leading minus does
-/// not make it a formula.
+/// Returns a value of a `--set` option for CSV. The function [`inert`] puts an apostrophe before a text that
+/// looks like a formula. A number gets no apostrophe, even if it begins with a minus.
 fn cell(value: &Value) -> String {
     if value.is_number() { word(value) } else { inert(&word(value)) }
 }

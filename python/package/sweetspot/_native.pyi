@@ -257,9 +257,13 @@ class Evaluator:
         """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
 
         The cost of a layout within every limit is its objective, in `unit`. A layout that misses a limit costs more
-        than 100 times the weight of the objective, in m, rad or shares, which is converted to `unit`. An infeasible
-        layout costs at least 1000 times that weight. The cost of such a layout increases with its distance from
-        feasibility.
+        than 100 w, and an infeasible layout costs at least 1000 w. The cost of an infeasible layout increases with
+        its distance from feasibility.
+
+        The weight w depends on the objective. For `sum`, w is the sum of the weights of the operations. For `max`, w
+        is the largest of these weights. For `lexicographic`, w is 1. For `tolerance-cost`, w is the cost of the
+        tightest tolerances. For an error, the multiples of w are in m or rad, and are converted to `unit`. If `unit`
+        is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
         """
     def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
         """Evaluates layouts: costs, objectives, values of the operations and, if `reasons` is True, the reasons why a

@@ -71,7 +71,7 @@ class AllocationDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: str
-    """Name of the figure that is limited."""
+    """Name of the figure that the reading gives."""
     registration: Literal['none', 'best-fit', 'taught']
     demanded_yield: Optional[float]
     """Share of random arms that must stay within each limit; null unless the quantity is the yield."""
@@ -620,13 +620,13 @@ class ErrorsDocument(Record):
     schema: Literal['sweetspot/errors/1']
     robot: str
     name: str
-    """Name of the error set in the table for the robot file."""
+    """Name of the error set, as in the TOML table that `errors --toml` prints."""
     guess: bool
     """Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
     error set of the robot.
     """
     source: str
-    """Origin of the numbers in words, as in the table for the robot file."""
+    """Origin of the numbers in words, as in the TOML table that `errors --toml` prints."""
     origin: Literal['robot', 'preset']
     origin_name: str
     """Name of the preset, or of the error set of the robot."""
@@ -749,8 +749,9 @@ class ExplanationDocument(Record):
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
-    """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the errors
-    of the sample compensate each other in one calibrated arm.
+    """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if an error
+    dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are not
+    tolerances.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -894,7 +895,8 @@ class HarmonicsEntry(Record):
     joint: str
     prior_deg: float
     """Prior standard deviation of a coefficient of the highest order. The fit estimates this value together with
-    the coefficients. Orders up to 4 have twice the standard deviation of higher orders.
+    the coefficients. A coefficient up to order 4 has twice the standard deviation of a coefficient of higher
+    order.
     """
     rms_deg: float
     """Root mean square of the identified error over one revolution of the joint."""
@@ -993,12 +995,12 @@ class JudgementEntry(Record):
     """Judgement of the tolerances by the error model of the cell."""
 
     missed_percent: float
-    """Largest excess of a judged figure over its limit after the first round, percent. Negative if the solution
-    meets all limits.
+    """Largest excess of a judged figure over its limit after the first round, percent. Negative if all figures
+    of the first round are below their limits.
     """
     rounds: int
-    """Number of rounds after the first until the solution. Each round adapts the linear figures to the judged
-    figures.
+    """Index of the round that gave the solution; the first round has the index 0. Each round adapts the linear
+    figures to the judged figures.
     """
     sampled_rounds: int
     """Number of further allocations that were necessary because Monte Carlo samples exceeded a limit."""
@@ -1338,8 +1340,9 @@ class OperationBudget(Record):
     joints_deg: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
-    """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if the
-    errors of the sample compensate each other in one calibrated arm.
+    """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if an
+    error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are not
+    tolerances.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -1429,8 +1432,9 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges. If lower bounds of the error leave some postures out, the value is
-    "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, the value is "every-posture".
+    """Postures that the search judges. By lower bounds, "ranked-nodes" leaves out nodes, and "bounded-postures"
+    leaves out postures. By lower bounds, "spin-families" leaves out groups of postures that differ in the
+    last joint alone. "every-posture" leaves out none.
     """
     why: Optional[str]
     """Reason why every posture is judged; null if lower bounds leave some postures out."""
@@ -1642,7 +1646,9 @@ class ReadingsDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     operations: Table[OperationReadings]
     largest_regret: Optional[RegretEntry]
-    """Largest regret of choosing the spot by the signed sample; null if the signed sample chooses no spot."""
+    """Largest regret: value at the spot that the signed sample chooses, divided by the least value. Null if no
+    regret is known, for example if the signed sample chooses no spot.
+    """
     findings: List[str]
     """Findings in sentences."""
 
@@ -2113,8 +2119,9 @@ class SearchResult(Record):
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
-    """Rotation of all pieces together about the base axis. The rotation does not change the errors. Null if a
-    piece cannot be rotated.
+    """Rotation about the base axis of all equipment whose x, y and yaw have ranges. The objective grows by at
+    most `indifference_percent`. Null if the layout is not feasible or misses a limit. Also null if x, y or
+    yaw of the equipment under an operation has no range.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2732,7 +2739,7 @@ class TurnEntry(Record):
 
 
 class UniformEntry(Record):
-    """One common scale of all tolerances that meets the limits."""
+    """Uniform tightening: one scale for all tolerances with which every limit is met."""
 
     scale: float
     cost: float
@@ -2802,7 +2809,9 @@ class VerdictDocument(Record):
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Rotation of all pieces together about the base axis; null if a piece cannot be rotated."""
+    """Rotation about the base axis of all equipment whose x, y and yaw have ranges. Null if the layout is not
+    feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation has no range.
+    """
     reasons: List[str]
     """Reasons why the answer is no."""
 

@@ -15,7 +15,7 @@ pub enum ExportFormat {
     Glb,
     /// Drawing to scale on paper: plan and elevation
     Svg,
-    /// One page with the verdict, the drawing to scale, and the report as an appendix, for print
+    /// Pages for print: the verdict, the drawing to scale, and the report as an appendix
     Pdf,
     /// Table of all nodes
     Csv,

@@ -17,8 +17,9 @@ pub struct ErrorFlags {
     /// Use this error model
     #[arg(long, value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)))]
     pub model: Option<String>,
-    /// Sense of every operation: x, y, z, xy, xyz, rx, ry, rz or rotation in world axes (append @surface or
-    /// @tool for the axes of the surface or the tool), or a sense defined in the cell file
+    /// Judge every operation by this component of the error (sense): x, y, z, xy, xyz, rx, ry, rz or rotation
+    /// in world axes, or a sense defined in the cell file. Append @surface or @tool for the axes of the
+    /// surface or the tool
     #[arg(long, value_name = "SENSE")]
     pub sense: Option<String>,
     /// Largest allowed error of every operation, in mm, or in degrees if the sense is a rotation
@@ -37,7 +38,7 @@ pub struct QuestionFlags {
     /// Interpret the errors as one signed sample, as worst-case tolerances or as random variables
     #[arg(long, value_parser = PossibleValuesParser::new(Reading::ALL.map(Reading::name)))]
     pub reading: Option<String>,
-    /// Statistic of the random error to minimize; implies --reading statistical
+    /// Summarize the random error by this statistic; implies --reading statistical
     #[arg(long, value_parser = PossibleValuesParser::new(Quantity::ALL.map(Quantity::name)))]
     pub quantity: Option<String>,
     /// Frames that were measured with the robot itself: none, the base frame (best-fit) or the surface frames

@@ -19,8 +19,8 @@ pub struct SweepArguments {
     pub cell: Option<PathBuf>,
     #[command(flatten)]
     pub packages: PackageFolders,
-    /// Set a key of the cell file to each of these values; text needs no quotes, and commas inside brackets
-    /// do not separate values; can be given several times
+    /// Set a key of the cell file to each of these values; can be given several times. Text needs no quotes,
+    /// and commas inside brackets do not separate values
     #[arg(
         long = "set",
         value_name = "PATH=A,B,...",

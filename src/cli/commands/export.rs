@@ -81,8 +81,8 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
 /// Returns the cell to draw, its file and the best layout of a result folder. The layout is None if the
 /// returned cell is exported as drawn.
 ///
-/// If no flag changes the cell, a result folder supplies the cell of the search. The search ranges of that
-/// cell limit the regions in which the equipment may stand.
+/// Reads the original cell of the search from a result folder, unless a flag changes the cell or `--start` is
+/// given. The search ranges of this cell limit the regions in which the equipment may stand.
 fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
     let file = cell_file(&a.of, a.start)?;
     if a.of.is_dir() && !a.start && a.question.words().is_empty() {

@@ -19,13 +19,14 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Least share of usable nodes at which a place of the table is accepted and no further place is tried.
+/// Least share of usable nodes that makes a place of the table acceptable. The first such place ends the
+/// trials.
 const GOOD: f64 = 0.95;
 
 /// Attitudes to try: elevation of the tool axis, degrees, and height of the TCP above the table, mm.
 const ATTITUDES: [(f64, i32); 4] = [(-90.0, 100), (-90.0, 200), (0.0, 100), (0.0, 200)];
 
-/// Largest depth of the folders below a package that are searched for robots.
+/// Largest depth of the folders in which robots are searched for. The package itself has depth 0.
 const MAX_DEPTH: usize = 4;
 
 /// Largest number of robots of a package that are listed.
@@ -209,7 +210,8 @@ fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
     best.filter(|best| best.usable > 0)
 }
 
-/// Maps a cell as drawn. Returns None if the cell is not valid, or if no inverse kinematics solves its robot.
+/// Maps a cell as drawn. Returns None if the cell is not valid, or if the inverse kinematics refuses the
+/// attitude of the operation.
 fn mapped(own: &OwnRobot, cell: String, place: TablePlace) -> Option<FoundCell> {
     let table = place.table();
     let loaded = files::load(CELL, &mut |asked| match asked {
@@ -253,7 +255,7 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
 }
 
 /// Returns the only URDF of a folder, or else its only xacro file that is not a part of other files.
-/// Prints a list if there are several.
+/// Fails if the folder has several such files, and prints a list of them.
 fn robot_of_folder(folder: &Path, a: &InitArguments) -> Result<PathBuf, Exit> {
     let mut all = Vec::new();
     collect(folder, 0, &mut all);

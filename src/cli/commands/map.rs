@@ -74,7 +74,8 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the table of measured positions and the pictures of every file; an empty list without files.
+/// Returns the files to write: the table of measured positions, and the pictures of every compared table.
+/// Returns an empty list if no table is compared.
 fn measured_files(compared: &[ComparedFile]) -> Result<Vec<(String, Vec<u8>)>, Exit> {
     if compared.is_empty() {
         return Ok(Vec::new());

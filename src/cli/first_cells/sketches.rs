@@ -45,8 +45,8 @@ const fn small(
 }
 
 /// Returns a first cell with a bench and a feeder, named after its robot. The numbers `of` are the arguments
-/// of [`small`], mm: pedestal height, distance `far`, start, least and greatest height of the bench, and
-/// greatest |x| and |y| of the equipment.
+/// of [`small`], mm. They are the pedestal height, the distance `far`, three heights of the bench (start,
+/// least, greatest), and the greatest |x| and |y| of the equipment.
 const fn bench(robot: &'static str, about: &'static str, of: [i32; 6]) -> Sketch {
     let [pedestal, far, z, low, high, within] = of;
     small([robot, about, robot], (pedestal, far), (z, low, high), within)

@@ -18,8 +18,8 @@ const LOWEST: f64 = -0.4;
 /// Largest height of the TCP above the base, as a share of the longest reach.
 const HIGHEST: f64 = 0.8;
 
-/// Reach, m. The table of an arm with less reach has the height of a workbench, and a pedestal lifts the arm
-/// if necessary.
+/// Least reach, m, of an arm whose table may be lower or higher than a workbench. The table of an arm with
+/// less reach has the height of a workbench, and a pedestal lifts the arm if necessary.
 const BENCH_ARM: f64 = 1.5;
 
 /// Height of a workbench, mm.

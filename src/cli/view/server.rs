@@ -130,7 +130,8 @@ async fn answer(
 
 /// Admits a request, reads its body and computes the response in a separate thread.
 ///
-/// The thread holds the slot of the connection, so a client cannot start more threads by disconnecting early.
+/// Each connection occupies one of [`MAX_CONNECTIONS`] slots. The thread holds `slot` until it ends, so a
+/// client cannot start more threads by disconnecting early.
 async fn computed(
     request: Request<Incoming>,
     shared: Shared,

@@ -34,9 +34,10 @@ const RIDGE_GROWTH: f64 = 1000.0;
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
-/// Derivative at which the last ascent ends, as a share of the requested gap.
+/// Largest derivative of the dual at which a fine ascent ends, divided by the requested gap.
 const FINE: f64 = 0.1;
-/// Violation below which the last ascent adds no sign pattern, as a share of the requested gap.
+/// Largest relative violation of a limit that adds no sign pattern after a fine ascent, divided by the
+/// requested gap.
 const VIOLATION: f64 = 0.01;
 
 /// Cheapest scales of the tolerances, found by dual ascent.
@@ -126,9 +127,10 @@ pub fn priced_scales(
     None
 }
 
-/// Returns the least multipliers with which the cheapest scales keep the constraint `cut` along one
-/// direction. The scales `u` violate this constraint. The multipliers act along the direction of the error at
-/// `u`. The terms `others` stay unchanged. The result is None if the scales already keep the constraint.
+/// Returns the least multiplier vector that enforces the constraint `cut` along one direction: the cheapest
+/// scales then keep the constraint. The scales `u` violate this constraint. The multipliers act along the
+/// direction of the error at `u`. The terms `others` stay unchanged. The result is None if the scales already
+/// keep the constraint.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],
@@ -213,8 +215,8 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
 /// length raises the dual enough.
 ///
 /// The lengths are tried in descending order, beginning with the full step. The next lengths are those at
-/// which a multiplier reaches 0. Each of these lengths drops the term of this multiplier. Halvings of the
-/// shortest of these lengths come last.
+/// which a multiplier reaches 0. A step of such a length drops the term whose multiplier reaches 0. Halvings
+/// of the shortest of these lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

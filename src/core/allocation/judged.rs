@@ -22,8 +22,9 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Least ratio of figure to limit at the present tolerances, as a share of the largest ratio. A requirement
-/// with a ratio above this share gets a cut before the first solution.
+/// Share of the largest ratio of figure to limit at the initial scales. If linear figures are kept as cuts,
+/// a requirement with at least this share gets a cut before the first solution. Otherwise every requirement
+/// gets a linear figure.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
@@ -46,7 +47,7 @@ pub struct JudgedAllocation {
     pub allocation: ToleranceAllocation,
     /// Judged figure of every requirement.
     pub judged: Vec<f64>,
-    /// Number of rounds after the first.
+    /// Index of the round that gave this allocation; the first round has the index 0.
     pub rounds: usize,
     /// Largest relative excess of a judged figure over its limit after the first round. This excess measures
     /// the error of the linear problem.

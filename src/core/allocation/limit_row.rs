@@ -60,7 +60,8 @@ impl LimitRow {
         (of(&self.linear), of(&self.squares))
     }
 
-    /// Returns the left side of the constraint if every scale is at the end of its range that `end` selects.
+    /// Returns the left side of the constraint with every scale at one end of its range. The function `end`
+    /// returns this end.
     pub(super) fn sum(&self, costs: &[ToleranceCost], end: fn(&ToleranceCost) -> f64) -> f64 {
         let of = |(k, cost): (usize, &ToleranceCost)| {
             let ((a, w), u) = (self.at(k), end(cost));

@@ -95,11 +95,11 @@ impl LinearFigure {
         }
     }
 
-    /// Adds to a row the error along a multiplier vector, times the length of this vector. The length is also
-    /// the weight of the limit.
+    /// Adds to a row the absolute values of the scalar products of the errors with a multiplier vector.
     ///
-    /// The sum along a vector of length 1 never exceeds a worst case. The weight of a squared root sum square
-    /// is the first component of the vector.
+    /// At any scales, the added error never exceeds the worst case times the length of the vector. So the
+    /// length is the weight of this figure in the row. The weight of a squared root sum square is the first
+    /// component of the vector.
     pub(super) fn add_along(&self, y: &Vector6<f64>, row: &mut LimitRow) {
         match self {
             Self::RootSumSquare { squares, constant } => {

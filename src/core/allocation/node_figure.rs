@@ -10,8 +10,8 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Least variance that sets the size of a numerical step, as a share of the largest variance. A smaller
-/// variance gets the step of this variance.
+/// Least variance that sets the size of a numerical step, as a share of the largest variance. The step of a
+/// smaller variance is computed from this least variance.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -128,8 +128,8 @@ impl NodeFigure<'_> {
     ///
     /// Consider normal errors of equal mean square. A high percentile is least if all directions have equal
     /// variance. A low percentile is least if the errors have one direction. A high percentile of a bounded
-    /// error may be below the percentile of a normal error. This percentile is still above the root mean
-    /// square.
+    /// error may be below the percentile of a normal error. The percentile of the bounded error is still
+    /// above the root mean square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -190,7 +190,7 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile of normal errors. The mean
+    /// Returns a root sum square that matches a percentile of normal errors in value and slopes. The mean
     /// of the errors counts as 0.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
@@ -239,7 +239,7 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile or mean at the present
+    /// Returns a root sum square that matches a percentile or mean in value and slopes at the present
     /// scales.
     ///
     /// Assume that all errors belong to the parameters `free` and have mean 0. The square of such a figure is

@@ -18,8 +18,8 @@ pub struct ToleranceAllocation {
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,
-    /// Shadow price of every requirement: the decrease of the cost per unit increase of its limit. With
-    /// grades, it is the shadow price of the relaxation.
+    /// Shadow price of every requirement: the decrease of the cost per unit increase of its limit. If there
+    /// are grades, the shadow prices belong to the relaxation.
     pub shadow_prices: Vec<f64>,
     /// Number of cone programs solved.
     pub programs: usize,

@@ -23,6 +23,9 @@ pub enum AllocatedNodes {
 
 /// Returns the nodes of a map at which the operation must stay within its limit, each with its index in the
 /// map.
+///
+/// For [`AllocatedNodes::Cheapest`], the function returns every usable node. The function
+/// `keep_cheapest_nodes` of the tolerance allocation later keeps one of these nodes.
 pub fn chosen(
     workcell: &Workcell,
     map: &OperationMap,

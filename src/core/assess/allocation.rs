@@ -24,7 +24,7 @@ pub struct AllocatedParameter {
     pub cost: ToleranceCost,
 }
 
-/// One operation at one node, which must stay within the limit of the operation.
+/// Requirement that an operation stays within its limit at one node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeRequirement {
     pub operation: usize,
@@ -66,7 +66,10 @@ pub enum NoAllocation {
 }
 
 impl<'a> CellAllocation<'a> {
-    /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
+    /// Prepares the tolerance allocation of a layout; `maps` are the error maps of its operations.
+    ///
+    /// Every operation with a limit has requirements. If `only` is the index of an operation, the other
+    /// operations have no requirements.
     ///
     /// # Errors
     /// Returns the reason if there is no requirement, no tolerance or no usable node, or if the errors are
@@ -124,8 +127,8 @@ impl<'a> CellAllocation<'a> {
 
     /// Refuses errors that would displace the TCP by more than the reach of the arm.
     ///
-    /// Some factory calibrations have Denavit-Hartenberg rows of kilometres, whose errors compensate each
-    /// other in one arm.
+    /// Some factory calibrations have Denavit-Hartenberg rows with lengths of kilometres. The errors of such
+    /// rows compensate each other only in the calibrated arm.
     fn refuse_compensating_errors(&self) -> Result<(), NoAllocation> {
         let cell = &self.workcell.cell;
         let is_beyond =

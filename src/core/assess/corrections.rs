@@ -180,7 +180,8 @@ fn is_random(cell: &Cell, parameter: Parameter) -> bool {
     }
 }
 
-/// Returns the attitude of a tool whose axes r, d x r and d are the columns of `axes`, base frame.
+/// Returns the attitude of a tool whose axes are the columns of `axes` (base frame). The columns are r, d x r
+/// and d: r is the reference axis, and d is the tool axis.
 ///
 /// The inverse function [`crate::cell::held`] computes the columns from the angles of an attitude.
 fn attitude_of(axes: &Matrix3<f64>) -> Attitude {

@@ -247,9 +247,10 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the objective is the cost of tolerances, the limit is the cost of the tightest tolerances. If the
-    /// cost of tolerances is only one of several goals, the result is None. The limits then apply to the
-    /// errors at the chosen tolerances, not at the tolerances of the error set.
+    /// If the objective is the cost of tolerances, the limit in the result is not an error. This limit is the
+    /// cost of the tightest tolerances. If the cost of tolerances is only one of several goals, the result is
+    /// None. The limits then apply to the errors at the chosen tolerances, not at the tolerances of the error
+    /// set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);

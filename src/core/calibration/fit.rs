@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 const STEPS: usize = 100;
 /// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
-/// Smallest share of a step of Fisher's scoring that the variances take.
+/// Smallest share of a step of Fisher's scoring by which the variances change.
 const LEAST_SHARE: f64 = 0.1;
 /// Largest step, in prior standard deviations, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;
@@ -22,7 +22,7 @@ const SURE: f64 = 0.1;
 /// Factor by which the damping grows after a step that raised the loss. The damping shrinks by the same
 /// factor after any other step.
 const DAMPING: f64 = 4.0;
-/// Largest damping that a successful step sets to 0.
+/// A successful step sets the damping to 0 if the damping is at most this value.
 const LEAST_DAMPING: f64 = 0.1;
 /// A variance has converged when its relative change is at most this value.
 const SETTLED: f64 = 1e-2;
@@ -63,7 +63,7 @@ impl<'a> Fit<'a> {
         Self { state, covariance: DMatrix::zeros(0, 0) }.solved(sessions, true)
     }
 
-    /// Returns the fit to the sessions without some of their positions, with the same variances.
+    /// Returns the fit to all positions except `left_out`, with the variances of the present fit.
     ///
     /// A single Newton step is exact up to second-order terms of the change, because errors are small.
     /// Returns None if the remaining positions do not determine the unknowns.

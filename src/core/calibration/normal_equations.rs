@@ -97,8 +97,8 @@ impl NormalEquations {
     }
 }
 
-/// Adds the scalar products of `residual` with the second derivatives of a position with respect to the
-/// motions `curved`.
+/// Adds to `bent` the scalar products of `residual` with the second derivatives of a position. The
+/// derivatives are with respect to the motions with the indices `curved`.
 ///
 /// The second derivative with respect to two motions is a cross product. The motion nearer to the base gives
 /// the axis, and the other motion gives the displacement.

@@ -130,7 +130,8 @@ fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> 
     place
 }
 
-/// Returns, for each unknown, the motion of the base that best fits the motions of the candidates.
+/// Returns, for each unknown, the motion of the base that best fits the motions of the reflector at all
+/// candidates.
 fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
     // Without this small term, candidates in a line would leave a rotation undetermined.
     let mut normal = DMatrix::identity(OF_BASE, OF_BASE) * (1e-9 * slopes.len() as f64);

@@ -21,13 +21,19 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 const MAX_VARIANCES: usize = MAX_JOINTS + 1;
 /// Expected standard deviation of a revolute joint if there are no data, rad.
 const EXPECTED_ANGLE: f64 = 3e-4;
-/// Smallest standard deviation of a joint, rad or m.
+/// Standard deviation that sets the smallest variance of a joint, rad or m. The smallest variance is
+/// [`NEGLIGIBLE`] times the square of this value.
 const FINEST_JOINT: f64 = 1e-7;
-/// Smallest standard deviation of a position, m; no laser tracker is more accurate.
+/// Smallest initial standard deviation of a position, m; no laser tracker is more accurate. The smallest
+/// fitted variance is [`NEGLIGIBLE`] times the square of this value.
 const FINEST_POSITION: f64 = 1e-6;
 /// Largest factor by which one step may change a variance.
 const STEEPEST: f64 = 10.0;
-/// Variance of a joint, as a share of its expected variance, below which changes hardly count.
+/// Share of a variance that counts as negligible.
+///
+/// The relative change of a joint variance refers to this variance plus this share of the expected variance.
+/// The smallest variance is this share of the square of [`FINEST_JOINT`] or [`FINEST_POSITION`]. So the
+/// smallest standard deviation is about 0.03 times that constant.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.

@@ -44,9 +44,10 @@ const SHORT_LEVER: f64 = 1.0 / 6.0;
 
 /// Returns the unknowns of a chain, with the elastic terms if `elastic` is true.
 ///
-/// A joint has an elastic term for each link that it carries with a lever above a sixth of the longest
-/// lever. The calibration also finds base and reflector of every session. Base and reflector replace the
-/// errors dq and dr of the first row and all errors of the last row.
+/// A revolute joint has an elastic term for each link that it carries and whose lever is long. A lever is
+/// long if it exceeds a sixth of the longest lever of the arm. The calibration also finds base and reflector
+/// of every session. Base and reflector replace the errors dq and dr of the first row and all errors of the
+/// last row.
 pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
     let last = chain.axes() - 1;
     let is_free = |parameter: &Parameter| match *parameter {

@@ -298,7 +298,8 @@ impl SearchSettings {
 
 impl SearchSettings {
     /// Returns whether the search takes the cost of tolerances into account. If so, a limit constrains the
-    /// tolerances to choose. The error at the tolerances of the error set may then exceed the limit.
+    /// cheapest tolerances, which the search computes. The error at the tolerances of the error set may then
+    /// exceed the limit.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

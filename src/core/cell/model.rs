@@ -111,7 +111,8 @@ pub struct Equipment {
 /// Support of the robot base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BaseSupport {
-    /// The base stands on the floor or, above it, on a pedestal with this cross-section in the base frame, m.
+    /// The base stands on the floor, or on a pedestal if the base is above the floor. The rectangle is the
+    /// cross-section of the pedestal in the base frame, m.
     Pedestal(Rectangle),
     /// A wall or a gantry carries the base; no pedestal occupies the space below the base.
     Hung,
@@ -129,8 +130,9 @@ pub struct KeepOut {
 
 /// Least height, m, of the triangle whose corners are the three points at which a frame is taught.
 ///
-/// The height is measured perpendicular to the longest side. The rotation error of a taught frame is about
-/// the error of its points divided by this height. A flatter triangle is therefore rejected.
+/// The height is measured perpendicular to the longest side. The rotation error (rad) of a taught frame
+/// approximately equals the error of its points divided by this height. A flatter triangle is therefore
+/// rejected.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.
@@ -244,7 +246,8 @@ pub struct Cell {
     /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Guard: largest deviation from the nonlinear model at which another error model is trusted.
+    /// Guard: largest deviation from the nonlinear model at which reports trust the linear or second-order
+    /// model.
     ///
     /// The deviation is a share of the nonlinear error.
     pub guard: f64,

@@ -138,8 +138,9 @@ impl Cell {
         let mut faults = Vec::new();
         if interpretation.reading == Reading::Signed {
             let help = "choose the reading worst-case or statistical";
-            let told =
-                |what| fault(About::Reading, format!("{what} a tolerance, which has no signed sample"), help);
+            let told = |what| {
+                fault(About::Reading, format!("{what} a set of tolerances, not a signed sample"), help)
+            };
             faults.extend(self.tolerances(interpretation.registration).into_iter().map(told));
         }
         if self.search.prices_tolerances() {
@@ -203,11 +204,11 @@ impl Cell {
             }
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
                 let message =
-                    format!("`{}` is judged by the {} of its nodes", operation.name, operation.over.name());
+                    format!("`{}` is judged by the {} over its nodes", operation.name, operation.over.name());
                 let help = "use over = \"max\", so that every node stays within the limit, or \"best\"";
                 refuse(
                     About::Operation(k),
-                    format!("{message}, but tolerances meet a limit node by node"),
+                    format!("{message}, but the cost of tolerances applies the limit to single nodes"),
                     help,
                 );
             }

@@ -5,7 +5,8 @@
 /// Least and greatest scale of a tolerance if the file states no range.
 pub const DEFAULT_SCALES: (f64, f64) = (0.1, 3.0);
 
-/// Relative margin by which the scale of a grade may exceed a scale before the grade counts as looser.
+/// Relative rounding margin for the comparison of two scales. A grade counts as looser than the scale `u`
+/// only if its scale exceeds `u (1 + SAME_SCALE)`.
 const SAME_SCALE: f64 = 1e-9;
 
 /// Tolerance that one process or one standard grade holds, with its cost.
@@ -88,9 +89,9 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the scale to order for the scale `u`: `u` clamped to the range, or the scale of the loosest
-    /// grade that is not looser than `u`. If all grades are looser, the result is the scale of the tightest
-    /// grade.
+    /// Returns the scale that can be ordered if the scale `u` is wanted. For a continuous law, the result is
+    /// `u`, clamped to the range. For grades, the result is the scale of the loosest grade that is not looser
+    /// than `u`. If all grades are looser, the result is the scale of the tightest grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

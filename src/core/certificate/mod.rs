@@ -41,8 +41,11 @@ use crate::units::{deg_from_rad, mm_from_m};
 /// Reason why an operation is not certified at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotCertified {
-    /// No [`crate::reach::ToolTask`] describes how the arm follows the target. So no bound of the joint
-    /// coordinates is known.
+    /// No bound of the joint coordinates is known, for one of three reasons:
+    ///
+    /// - no [`crate::reach::ToolTask`] describes how the arm follows the target;
+    /// - the branch does not exist at the target;
+    /// - the operation has no spot.
     NoTask,
     /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,

@@ -76,8 +76,8 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box for an attitude with a radial azimuth, measured from the direction of the target as
-    /// seen from the base axis.
+    /// Returns this box with the half width of the heading for a radial azimuth. A radial azimuth is measured
+    /// from the direction of the target as seen from the base axis.
     ///
     /// `target` is the nominal position of the target in the base frame, m.
     ///

@@ -99,8 +99,8 @@ struct SourceMotion {
     /// Number of joints that precede the motion; None for a motion of the equipment.
     link: Option<usize>,
     turns: bool,
-    /// Size of the motion, rad or m. The source has its signed value, its tolerance or its standard
-    /// deviation, depending on the reading.
+    /// Size of the motion, rad or m. The reading decides which value the source has: its signed value, its
+    /// tolerance or its standard deviation.
     size: f64,
 }
 

@@ -22,8 +22,8 @@ pub(super) struct CollisionBody {
     ///
     /// The bounding box of a long oblique capsule would contain most triangles of a mesh.
     pub(super) pieces: Vec<SharedShape>,
-    /// Sharp solid that the rounding enlarges, and the radius (m) of the rounding; None if the solid is not
-    /// rounded.
+    /// Solid before its rounding, and the radius (m) of the rounding. The field is None for a solid without
+    /// rounding.
     ///
     /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
     /// rounded solid, the error of parry3d is up to 4e-5 m.

@@ -61,8 +61,8 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
 
 /// Returns the pedestal for the highest base position that the cell allows; None if no pedestal is needed.
 ///
-/// This pedestal also represents the pedestal for every lower base position, because nothing collides below
-/// the floor. The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal
+/// This pedestal also serves every lower base position. The lower end is then below the floor, where nothing
+/// collides. The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal
 /// against equipment.
 fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
     let (section, height) = cell.highest_pedestal()?;

@@ -44,7 +44,7 @@ pub struct Correction {
     pub steps: usize,
     /// Whether the method has converged with the TCP at the target.
     pub converged: bool,
-    /// Index of the joint that is farthest outside its limits, as a share of its travel. None if all joints
+    /// Index of the joint that exceeds its limits by the largest share of its travel. None if all joints
     /// are within their limits.
     pub beyond: Option<usize>,
 }
@@ -83,14 +83,15 @@ pub fn corrected(
     }
 }
 
-/// Returns the displacement from the target to the nominal pose `tcp` moved by its `error`.
+/// Returns the displacement from the target to the attained pose. The attained pose is the nominal pose `tcp`
+/// displaced by `error`.
 fn rest_of(target: &Pose, tcp: &Pose, error: &Displacement) -> Displacement {
     let back = rotation_vector(&(tcp.rotation * target.rotation.transpose()));
     let rotation = SmallRotation::of(&error.rotation).after(&SmallRotation::of(&back)).vector();
     Displacement { position: tcp.translation - target.translation + error.position, rotation }
 }
 
-/// Returns the joint that is farthest outside its limits, as a share of its travel.
+/// Returns the index of the joint that exceeds its limits by the largest share of its travel.
 ///
 /// Returns None if all joints are within their limits.
 fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {

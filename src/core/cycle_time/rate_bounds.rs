@@ -15,8 +15,8 @@ pub struct RateBounds {
     pub velocity: JointVector,
     /// Maximum acceleration and deceleration, rad/s^2 or m/s^2.
     pub acceleration: JointVector,
-    /// Whether an acceleration is computed from [`ASSUMED_FULL_SPEED_AFTER`], which makes every time an
-    /// estimate.
+    /// Whether an acceleration is computed from [`ASSUMED_FULL_SPEED_AFTER`]. If so, all computed times are
+    /// estimates.
     pub is_assumed: bool,
 }
 

@@ -124,8 +124,9 @@ impl MotionSequence<'_> {
     /// Returns the joint vectors of the line back from a spot along the tool axis; None if the arm cannot
     /// follow the line.
     ///
-    /// The whole revolutions in `joints` may leave a joint without enough range for the line. The line then
-    /// begins at the posture of the stop itself, which was checked. The time of the line is the same.
+    /// The joint vector `joints` may contain whole revolutions from earlier moves. Such a revolution may
+    /// leave a joint too little range for the line. The line then begins at the posture of the stop itself,
+    /// which was checked. Whole revolutions do not change the time of the line.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

@@ -21,7 +21,8 @@ pub struct Rings {
 
 /// Returns the working envelope for the tool attitude of an operation, within the joint limits.
 ///
-/// The distance between sampled points is twice the value that [`step_of`] returns.
+/// Each section is sampled on a lattice whose spacing is twice the step that [`step_of`] returns for the
+/// robot.
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

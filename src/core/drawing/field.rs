@@ -48,9 +48,9 @@ impl ErrorView {
 
 /// Returns the combinations of model and reading under which a cell can be evaluated.
 ///
-/// The first is the combination that the cell states. The magnitudes of errors that compensate each other
-/// ([`Cell::errors_compensate`]) are not tolerances. If a cell has such errors, all combinations after the
-/// first have the signed reading.
+/// The first is the combination that the cell states. If errors compensate each other
+/// ([`Cell::errors_compensate`]), their magnitudes cannot serve as tolerances. If a cell has such errors, all
+/// combinations after the first have the signed reading.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -96,8 +96,9 @@ pub struct ViewedErrors {
     pub lens: usize,
     /// Error vector of the TCP at each node, in the world frame, m.
     ///
-    /// In the signed reading, the vector is the error of the signed sample. The other readings
-    /// show the corner of the tolerance box with the greatest error in the operation's sense.
+    /// In the signed reading, the vector is the error of the signed sample. In the other readings, the vector
+    /// is the error at one corner of the tolerance box. This corner is the worst corner in the operation's
+    /// sense.
     pub error: Vec<Option<Vector3<f64>>>,
     /// Figures of the reading, m or rad: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,

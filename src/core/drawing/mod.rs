@@ -112,8 +112,8 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Returns the parts that are visible at an operation, with their world poses for the robot's link frames
-    /// `frames`.
+    /// Returns the parts that are visible at an operation, with their poses in the world frame. `frames` are
+    /// the robot's link frames.
     ///
     /// If `operation` is None, only the parts that are always visible are returned.
     pub fn posed<'d>(
@@ -125,8 +125,8 @@ impl<'a> Drawing<'a> {
         self.parts.iter().filter(seen).map(move |part| (part, self.pose_of(part, frames)))
     }
 
-    /// Returns the bounding box, in the world frame, m, of all parts that are always visible, with the
-    /// robot at home.
+    /// Returns a box (world frame, m) that contains the base origin and all parts that are always visible.
+    /// The robot is at home.
     pub fn extent(&self) -> (Vector3<f64>, Vector3<f64>) {
         let home = self.movement.home();
         let base = (self.base.translation, self.base.translation);

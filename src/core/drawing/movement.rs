@@ -5,12 +5,16 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Speed of the fastest joint in the animation, rad/s. The travel of a prismatic joint is divided by the
-/// reach of the arm and treated as rad.
+/// Mean speed of the fastest joint during a straight move in joint coordinates, rad/s. The travel of a
+/// prismatic joint is divided by the reach of the arm and treated as rad.
+///
+/// Each move is a cubic function of time, so the peak speed is 1.5 times the mean speed. The limit
+/// [`MAX_DURATION`] raises the mean speed of a long move. The duration of a move is rounded up to a multiple
+/// of [`TICK`].
 const SPEED: f64 = 0.8;
 /// Duration of a stop at home or at a spot, s.
 const REST: f64 = 0.6;
-/// Time between two frames of the animation, s.
+/// Time between two successive pictures of a move, s.
 const TICK: f64 = 0.05;
 /// Longest duration of a straight move in joint coordinates, s. Longer moves are shown faster.
 const MAX_DURATION: f64 = 6.0;

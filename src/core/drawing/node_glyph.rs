@@ -35,7 +35,8 @@ impl GlyphTone {
     }
 }
 
-/// Open polyline of a glyph, with x to the right and y down. The unit is the radius of the ring.
+/// Open polyline of a glyph, with x to the right and y down. The unit is the radius of the circle round a
+/// node.
 pub type GlyphStroke = &'static [(f64, f64)];
 
 /// Glyph that marks an unusable node: a circle and strokes of one colour.
@@ -46,7 +47,8 @@ pub struct NodeGlyph {
     pub tone: GlyphTone,
 }
 
-/// Absolute value of x and y at the points of the ring at 45 degrees. The unit is the radius of the ring.
+/// Absolute value of x and y of the points at 45 degrees on the circle round a node. The unit is the radius
+/// of this circle.
 const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 const RISING: GlyphStroke = &[(-C, C), (C, -C)];

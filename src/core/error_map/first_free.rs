@@ -16,7 +16,8 @@ use nalgebra::Vector3;
 /// Returns the largest number of uncertified candidates that the search tries before it gives up.
 ///
 /// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
-/// fast ([`Cost::Low`]). An arm with numeric inverse kinematics also gets the lower of the two numbers.
+/// fast ([`Cost::Low`]). The limit is 16 candidates for such an arm and for an arm with numeric inverse
+/// kinematics. The limit is 256 candidates for all other arms.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,

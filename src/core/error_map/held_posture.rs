@@ -23,7 +23,7 @@ pub struct HeldPosture {
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Direction in the base frame (azimuth, rad) from which the azimuth of the tool is measured.
+    /// Reference direction of the tool's azimuth: angle from the x axis of the base frame, rad.
     pub heading: f64,
 }
 

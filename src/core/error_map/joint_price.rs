@@ -30,8 +30,11 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns a number between the joint price and `most`. Returns None in the cases of
-    /// [`Self::joint_price`], or if the joint price exceeds `most`. `near` is the price of a similar layout.
+    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None in the cases of
+    /// [`Self::joint_price`], or if the joint price exceeds `most`.
+    ///
+    /// The function first tries the tolerances `near` of a similar layout, reduced until they meet every
+    /// limit.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

@@ -112,7 +112,7 @@ impl OperationSetup {
         }
     }
 
-    /// Returns whether [`Self::bound`] costs much less than [`Self::value`].
+    /// Returns whether [`Self::bound`] takes much less time than [`Self::value`].
     pub fn has_bounds(&self) -> bool {
         self.is_priced || self.evaluator.has_worst_bounds()
     }

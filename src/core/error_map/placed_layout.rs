@@ -21,8 +21,8 @@ pub struct PlacedLayout<'a> {
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
-    /// Whether a query may return a lower bound instead of the value of a held posture, if the value costs
-    /// much more.
+    /// Whether a query of a held posture may return a lower bound of the value. A bound replaces the value
+    /// only if the value takes much longer to compute.
     pub(super) takes_bounds: bool,
 }
 

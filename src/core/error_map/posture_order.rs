@@ -64,7 +64,8 @@ impl Mapper {
         }
     }
 
-    /// Returns whether the postures of an operation have lower bounds that cost much less than their values.
+    /// Returns whether a search may use lower bounds for the values of the postures of an operation. Such a
+    /// bound takes much less time to compute than the value.
     pub(super) fn has_bounds(&self, operation: usize) -> bool {
         let setup = &self.setups[operation];
         setup.is_priced || self.ranks && setup.has_bounds()

@@ -88,11 +88,11 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: bounds each member, or judges each member if a value takes no longer than a bound. A
+    /// Opens a family: computes a lower bound for each member, or each value if that takes no longer. A
     /// single member is judged, or its bound is sharpened.
     ///
-    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. The search could report
-    /// such a member only as the nearest candidate, but this candidate is already known.
+    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
+    /// the spot, and the first candidate ([`FirstFree::nearest`]) is already known.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);

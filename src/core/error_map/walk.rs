@@ -42,7 +42,8 @@ pub trait PostureVisitor {
     /// the spot.
     const JUDGES_TOUCHED: bool = false;
 
-    /// Whether candidates may carry a lower bound of their value, if the value costs much more.
+    /// Whether candidates may carry a lower bound of their value. A bound replaces the value only if the
+    /// value takes much longer to compute.
     const TAKES_BOUNDS: bool = false;
 
     /// Receives a posture within the joint limits.
@@ -180,7 +181,8 @@ impl<'a> OperationQuery<'a> {
 /// Returns the status of a target from its branches. The status holds the least attitude error of the
 /// branches within the joint limits.
 ///
-/// If no branch stays within the limits, the status is the least violation of a joint limit.
+/// If no branch stays within the limits, the status is the least violation of a joint limit. Without
+/// branches, the status is [`Status::OutOfReach`] with the distance 0.
 pub fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));

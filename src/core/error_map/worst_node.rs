@@ -1,9 +1,10 @@
-//! Search for the worst node of an operation that happens at every node. The search computes only bounds of
-//! the values of most other nodes.
+//! Search for the worst node of an operation that happens at every node. For an operation with spin families
+//! (see `spin_families`), the search computes only bounds of the values of most other nodes.
 //!
 //! A node whose error is certainly below the greatest error found cannot be the worst node. For such a node,
-//! the search only needs a usable posture whose value has an upper bound below that error. The nodes far from
-//! the base come first, because their errors are usually the greatest.
+//! the search only needs a usable posture whose value has an upper bound below that error. The search tries
+//! such upper bounds only for the members of spin families. Without spin families, the search judges every
+//! node. The nodes far from the base come first, because their errors are usually the greatest.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::every_node::UnreachedNodes;

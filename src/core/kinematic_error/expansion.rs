@@ -131,7 +131,8 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
-/// Returns the joint whose frame a motion of the joint frames moves; `k` is the index among these motions.
+/// Returns the joint whose frame a motion displaces. `k` is the index of the motion among the motions of all
+/// joint frames.
 fn frame_of(k: usize) -> usize {
     k / PER_FRAME
 }

@@ -16,16 +16,17 @@ const UNKNOWN_EXCESS: f64 = 10.0;
 ///
 /// A value below this edge also belongs to the first step.
 const LEAST_STEP: f64 = 1e-9;
-/// Combined value of the later operations (m, rad, or share of failures) at the middle of a step of
-/// [`lexicographic`].
+/// Scale of the combined value of the later operations in [`lexicographic`] (m, rad, or share of failures).
+///
+/// If the combined value equals this scale, the result lies in the middle of its step.
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
     /// Returns the weight of the objective as a whole.
     ///
     /// This weight is the sum of the operations' weights for a weighted sum, and the largest weight for a
-    /// weighted maximum. The weight is 1 for a lexicographic objective, and the cost of the tightest
-    /// tolerances for a cost of tolerances.
+    /// weighted maximum. The weight is 1 for a lexicographic objective. If the objective is the cost of
+    /// tolerances, the weight is the cost of the tightest tolerances.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {

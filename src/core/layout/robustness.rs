@@ -128,8 +128,8 @@ impl Robustness {
     }
 }
 
-/// Function that queries a held posture. The function returns a value, or the status that prevents the
-/// posture.
+/// Function that queries a held posture. The function returns a value, or the status of the point if the
+/// posture cannot be held.
 type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
 
 /// One operation with the postures that it keeps while bodies are misplaced.

@@ -25,7 +25,8 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeCone
 const MAX_PROGRAMS: usize = 8;
 /// Distance added to the clearance, as a multiple of the resolution of placements.
 ///
-/// Rounding moves each of two bodies by at most half the diagonal of a square of the resolution.
+/// Rounding of x and y moves each of two bodies by at most half the diagonal of a square. The side of this
+/// square is the resolution. A carried body also moves with its carrier.
 const SPARE_DISTANCE: f64 = 2.0;
 
 /// Least shift that is applied, m. Smaller shifts are rounding errors of the solver.

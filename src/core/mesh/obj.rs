@@ -65,9 +65,9 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
 
 /// Returns a description of the error of the OBJ reader, with the line of the error.
 ///
-/// The OBJ reader stops in the faulty line, which is therefore the last line of the first `read` bytes. The
-/// reader checks the vertices of faces only at the end. This function therefore searches for the face with
-/// a bad vertex.
+/// The OBJ reader stops in the faulty line. The argument `read` is the number of bytes that the reader took
+/// before it stopped. The last line of these bytes is the faulty line. The reader checks the vertices of
+/// faces only at the end. This function therefore searches for the face with a bad vertex.
 fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {
@@ -83,7 +83,8 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     }
 }
 
-/// Returns the index of the first line that begins with `kind` and has a later word that is `wrong`.
+/// Returns the index of the first line that begins with `kind` and contains a faulty word. The function
+/// `wrong` tests every word after the first word.
 fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
     let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
     geometry.lines().position(has)

@@ -40,13 +40,16 @@ pub struct PathSlack<'a> {
     /// floor. Without this function, the equipment does not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
-    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if it knows no
-    /// bound below the sum of the two separate deviations.
+    /// [`Scene::bounding_spheres`]) and a piece of equipment. If the function returns None, the motions of
+    /// the robot solid and of the equipment are added.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
-/// Returns the first point of a path at which the robot may come nearer to other solids than the clearance of
-/// the cell. Robot and equipment may deviate from the path by up to `slack`.
+/// Returns the first point of a path at which a solid of the robot may come too near to another solid. Robot
+/// and equipment may deviate from the path by up to `slack`.
+///
+/// The robot must keep the clearance of the cell from equipment, fence and floor. Two solids of the robot
+/// must not touch, but need no clearance.
 ///
 /// The path consists of straight moves between the joint vectors `knots`, rad or m. The result None proves
 /// that there is no contact. A reported contact may also be a near miss that the check does not resolve

@@ -37,8 +37,8 @@ pub enum PostureRefusal {
 /// Contact or limit that blocks a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
-    /// Contact with a solid. On an approach or retract line, [`PathHit::at`] is the share of the line
-    /// measured from the spot.
+    /// Contact with a solid. The path along an approach or retract line begins at the spot, so
+    /// [`PathHit::at`] is 0 there.
     Hit(PathHit),
     /// The arm cannot follow the line.
     Stopped(Stopped),

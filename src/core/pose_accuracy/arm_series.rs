@@ -1,5 +1,5 @@
 //! Pose accuracy of a series of robots. The robots are random within the tolerances, and each robot is tested
-//! at the five poses.
+//! at the five poses of ISO 9283.
 
 use super::base_fit::BaseFit;
 use super::test_cube::TestCube;

@@ -38,8 +38,8 @@ impl BaseFit {
         Self { frames, centre, inverse }
     }
 
-    /// Returns the displacement (m) of each of the points `at` (base frame, m) by the rigid motion that is
-    /// fitted to a sample of errors.
+    /// Returns the displacements (m) of the points `at` (base frame, m) under the fitted rigid motion. This
+    /// motion is fitted to the position errors that `errors` causes at the sampled postures.
     pub fn displacements<const N: usize>(
         &self,
         errors: &Perturbation,

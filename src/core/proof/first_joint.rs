@@ -2,16 +2,18 @@
 //! precede it act in horizontal directions.
 //!
 //! Seen from the link after the first joint (on the tool side), the errors before this joint rotate about its
-//! axis. Let an error move or rotate the arm along or about a horizontal direction u, with the variance v.
-//! The contribution of this error to the bound of a statistic is `v u . M(p) u`, with a matrix M that depends
-//! on the position p of the measured point. Two errors of the same kind with the same variance in
-//! perpendicular directions give `v tr M`, whatever their direction. The bound therefore takes the variances
-//! of each kind of error as an isotropic part, and an excess in one direction.
+//! axis. Let an error with the variance v translate the arm along a horizontal direction u, or rotate it
+//! about u. The contribution of this error to the bound of a statistic is `v u . M(p) u`, with a matrix M
+//! that depends on the position p of the measured point. Two errors of the same kind with the same variance
+//! in perpendicular directions give `v tr M`, whatever their direction. The bound therefore splits the
+//! variances of each kind of error into two parts: an isotropic part, and an excess in one direction.
 //!
-//! The excess v gives at least v times the least eigenvalue of M. Let the rows of the sense be horizontal,
-//! and let `a_1 >= a_2` be the eigenvalues of the horizontal form A of the bound. A translation gives
-//! `M = A`. A rotation about u moves the point in plan by h per radian, perpendicular to u. Here h is the
-//! height of the point above the rotation axis. The matrix M is then `h^2` times A rotated by a quarter turn.
+//! An excess with the variance v contributes at least v times the least eigenvalue of M to the bound. Let the
+//! rows of the sense be horizontal. The bound of the squared statistic is then `<A, S>` with a horizontal
+//! matrix A and the covariance S (see `value_bound`). Let `a_1 >= a_2` be the eigenvalues of A in the
+//! horizontal plane. A translation gives `M = A`. A rotation about u moves the point in plan by h per radian,
+//! perpendicular to u. Here h is the height of the point above the rotation axis. The matrix M is then `h^2`
+//! times A rotated by a quarter turn.
 //! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. The excess
 //! therefore gives at least the isotropy times the contribution of an isotropic error with variance `v / 2`.
 
@@ -43,7 +45,8 @@ impl FirstJoint {
     /// are the motions of all error sources. The motions of the replaced errors are removed.
     ///
     /// If the reading is worst-case and the arm has more than [`MAX_JOINTS_OF_WORST_CASE`] joints, no motions
-    /// replace these errors. If the sense has a rotation row or a non-horizontal row, no motions replace the
+    /// replace these errors. This is also the case if the list of error sources would become longer than
+    /// [`MAX_SOURCES`]. If the sense has a rotation row or a non-horizontal row, no motions replace the
     /// excess in one direction. The bound remains valid. Returns None, and leaves `motions` unchanged, if the
     /// errors cannot be replaced.
     pub fn replace(

@@ -6,12 +6,13 @@
 //! their best rotation, in closed form.
 //!
 //! Statistical reading: let C be the covariance of the TCP that the errors after the joint cause at one
-//! angle. C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The bound of a reading is
-//! `<A, S>` with a positive semidefinite matrix A (see `value_bound`). Let `a_1 >= a_2` be the eigenvalues of
+//! angle. C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The squared statistic of
+//! the whole covariance S is at least `<A, S>` with a positive semidefinite matrix A (see `value_bound`).
+//! Here `<A, S>` is the sum of the products of corresponding entries. Let `a_1 >= a_2` be the eigenvalues of
 //! A across the tool axis. Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about
 //! the axis (J. von Neumann's trace inequality).
-//! This holds only if the square of the statistic is convex in the covariance. The mean is not such a
-//! statistic, so a bound of the mean keeps the coordinate.
+//! The tangent `<A, S>` bounds the squared statistic at every rotation only if this square is convex in the
+//! covariance. The mean is not such a statistic, so a bound of the mean keeps the coordinate.
 //!
 //! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. In the direction d, these
 //! errors reach `sum_k w_k |d . R g_k|`. As a function of the angle of R, this sum is concave between the
@@ -116,12 +117,13 @@ impl LastJoint {
         Some(Self { across, along, variances })
     }
 
-    /// Returns the covariance of the TCP (m^2, base frame) at which the bound of a reading is expanded. The
-    /// result averages the covariance that the errors after the joint cause, over rotations of the tool about
-    /// its axis.
+    /// Returns a covariance of the TCP (m^2, base frame) that stands for the errors after the joint. The
+    /// bound of a percentile is expanded at the sum of this covariance and `others`.
     ///
-    /// `others` is the covariance that all other errors cause. Across the tool axis, the sum of both
-    /// covariances is as isotropic as possible. An isotropic covariance gives the least values.
+    /// `others` is the covariance that all other errors cause. The result is a weighted average, over
+    /// rotations of the tool about its axis, of the covariance that the errors after the joint cause. The
+    /// weights make the sum with `others` as isotropic as possible across the tool axis. Under the assumption
+    /// of `value_bound`, an isotropic covariance gives the least percentiles for a given trace.
     pub fn covariance(&self, others: &Matrix3<f64>, tool: &ToolAxisRange) -> Matrix3<f64> {
         let frame = across(&tool.axis);
         let eigen = within(others, &frame).symmetric_eigen();

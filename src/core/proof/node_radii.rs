@@ -1,11 +1,11 @@
 //! Bound of an operation that happens at every node: the nodes have different distances from the base axis.
 //!
-//! The least value of a single node, over all postures with a given height and radius, bounds the value of each
-//! node that has this height and radius. All nodes of an operation have the same height, and keep their
-//! distances from each other. Let the origin of the surface have the distance `rho` from the base axis, and let
-//! a node have the polar coordinates (d, delta) on the surface. The radius of the node is then
-//! `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`, where phi is the yaw of the surface against the line from the
-//! base axis.
+//! Consider the least value of a single node over all postures with a given height and radius. This value is
+//! a lower bound of the value of each node with this height and radius. All nodes of an operation have the
+//! same height, and keep their distances from each other. Let the origin of the surface have the distance
+//! `rho` from the base axis, and let a node have the polar coordinates (d, delta) on the surface. The radius
+//! of the node is then `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`. Here phi is the yaw of the surface
+//! relative to the line from the base axis to the origin of the surface.
 //!
 //! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single
 //! nodes are computed for intervals of height and radius. The lengths of these intervals are halves,
@@ -43,7 +43,7 @@ struct PlacementCell {
     height: Dyadic,
     /// Range of the distance of the origin of the surface from the base axis, m.
     rho: (f64, f64),
-    /// Range of the yaw of the surface against the line from the base axis, rad.
+    /// Range of the yaw of the surface relative to the line from the base axis to the surface origin, rad.
     phi: (f64, f64),
     bound: f64,
     number: usize,

@@ -159,9 +159,10 @@ impl RigidPieces {
     /// Returns an upper bound of the size of a directional derivative of order `power`.
     ///
     /// Let u be a unit vector fixed to `link`. The function f of the coordinates q is a sum over all segments
-    /// after `link`. The terms of f are the products of a segment and u. Let d be a change of the coordinates
-    /// by at most the radius of each. Consider the derivative of order `power` of `f(q + t d)` with respect
-    /// to t, at t = 0. The result bounds the size of this derivative for every such d and every q in the box.
+    /// after `link`. The terms of f are the products of a segment and u. Let d be a change of the
+    /// coordinates, in which each coordinate changes by at most its radius. Consider the derivative of order
+    /// `power` of `f(q + t d)` with respect to t, at t = 0. The result bounds the size of this derivative for
+    /// every such d and every q in the box.
     ///
     /// Let `s` be the largest length of a segment, and `rho` the sum of the radii of the coordinates that
     /// rotate the segment, u or both. Each segment adds `s rho^power` to the bound. A segment that a

@@ -19,7 +19,7 @@ pub(super) struct Witness {
     /// Actuator coordinates of the posture, rad or m.
     pub joints: JointVector,
     /// Lower bound of the value for a box that contains only this posture, m or rad. No lower bound of the
-    /// operation rises above it.
+    /// operation exceeds this number.
     pub ceiling: f64,
 }
 

@@ -15,7 +15,7 @@ const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Largest violation [`Gap::limits`] (rad, m or cosine) around which the search continues.
+/// Largest [`Gap::limits`] (rad, m or cosine) of a scanned joint value around which the search continues.
 ///
 /// A larger violation is not expected to vanish within one step of the scan.
 const HOPELESS: f64 = 0.5;
@@ -27,8 +27,9 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls [`Self::gap`], whose result may contain a lower bound of the target's distance. If this bound is
-    /// positive and below `near` (m), the function replaces the bound by the distance.
+    /// Calls [`Self::gap`], which may return a lower bound of the distance from the target to the reachable
+    /// points. If this bound is positive and below `near` (m), the function replaces the bound by the
+    /// distance.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,

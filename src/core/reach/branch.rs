@@ -37,10 +37,10 @@ pub enum Cost {
     Low,
     /// About a microsecond per attitude.
     Middle,
-    /// About a microsecond per attitude and sampled joint value for a redundant arm.
+    /// Redundant arm with a closed form: about a microsecond for each attitude at each sampled joint value.
     ///
-    /// Scans of one joint, refined closed forms and eliminations for six axes take tens of microseconds per
-    /// attitude.
+    /// Other solvers of this class take tens of microseconds per attitude. They scan one joint, refine a
+    /// closed form, or eliminate variables for six axes.
     High,
     /// About a millisecond per target, because the solver is numeric.
     Numeric,

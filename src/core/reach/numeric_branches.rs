@@ -3,7 +3,7 @@
 //! All solutions of a goal are within the joint limits.
 //!
 //! If the branches of an arm do not keep their indices, the numeric solver also moves postures to
-//! neighbouring targets. It also finds the reason why a scan has no solution.
+//! neighbouring targets. It also finds the reason why the solver of such an arm has no solution.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
@@ -82,8 +82,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the reason why a scan finds no branch. The numeric solver determines whether the position or
-    /// only the attitude is out of reach.
+    /// Returns the reason why a scan of one joint, or an elimination for six axes, finds no branch. The
+    /// numeric solver determines whether the position or only the attitude is out of reach.
     pub(super) fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         match self.numeric_branches(target, attitudes) {
             Reach::NotConverged { position, angle } if position.is_finite() => {

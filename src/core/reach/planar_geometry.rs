@@ -47,7 +47,8 @@ impl Inverse {
 }
 
 impl ToolAttitudes {
-    /// Returns whether every posture must be checked, because the attitude requires a heading or a spin.
+    /// Returns whether the attitude requires a heading or a spin. In this case, the tool attitude must be
+    /// checked at every posture.
     pub fn is_judged_by_posture(&self) -> bool {
         self.set.is_checked(false)
     }

@@ -110,7 +110,7 @@ fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
 
 /// Returns the index of the joint of a seven-axis arm that should stay fixed at this posture.
 ///
-/// Among the seven joints, this joint leaves the Jacobian matrix with the largest absolute determinant.
+/// The 6 x 6 Jacobian matrix without the column of this joint has the largest absolute determinant.
 ///
 /// This joint has the largest share in the self-motion of the arm.
 pub(super) fn best_held(chain: &Chain, frames: &Frames) -> usize {

@@ -6,15 +6,18 @@ use super::worst_case::WorstCase;
 use super::zonotope::Farthest;
 use nalgebra::Vector6;
 
-/// Largest number of rounds of the local search, which ends earlier if no flip of a sign increases the error.
+/// Largest number of rounds of the local search from one starting corner.
+///
+/// A round tries to flip every single sign and every group of parallel columns. If no such flip increases the
+/// error, the round tries pairs of signs. The search ends early if no pair increases the error either.
 const MAX_ROUNDS: usize = 12;
 
 /// Share of the linear worst case. A flip is always tried if it changes the linear error by no more than this
 /// share.
 const NEAR_SHARE: f64 = 0.02;
 
-/// Columns count as parallel, and are flipped as one group in the local search, if the sine of their angle is
-/// below this value.
+/// Columns count as parallel if the sine of their angle is at most this value. The local search also flips
+/// the signs of parallel columns together.
 const PARALLEL_SINE: f64 = 1e-6;
 
 /// Signs of all sources at a corner of the tolerance box.
@@ -23,33 +26,35 @@ type Signs = [f64; MAX_SOURCES];
 /// Returns the worst case by a model.
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
-/// The sizes of the errors at these two corners differ only by terms of even order. The search flips one sign
-/// alone, or the signs of all parallel columns together. A column is the linear effect of one source. A flip
-/// is tried only if it changes the linear error by no more than a threshold. The threshold is the largest of
-/// three values:
+/// The sizes of the errors at these two corners differ only by terms of even order. If the sources have
+/// means, the mean also has a sign, and both starts are the same corner of the box. The search flips one sign
+/// alone, the signs of all parallel columns together, or the signs of two columns. A column is the linear
+/// effect of one source or of the mean. A flip is tried only if it changes the linear error by no more than a
+/// threshold. The threshold is the largest of three values:
 ///
-/// - `quadratic`, the size of the second-order terms;
+/// - `quadratic`, an estimate of the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;
 /// - twice the largest difference between the linear worst case and the error under the model at the two
 ///   corners.
 ///
 /// A planar arm, for example, needs flips of all parallel columns together. The lateral effects of such an
-/// arm are perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip
-/// leads from one corner of a pair to the other corner.
+/// arm are perpendicular to all other effects. So the linear error keeps its size if the signs of all
+/// lateral effects are reversed. A single flip does not lead to this other corner.
 ///
 /// `largest` returns two corners: the corners with the largest displacement and the largest rotation of the
-/// TCP. A source is weak if a flip of its sign can change the linear error by at most the threshold. If more
-/// than `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner combines the
-/// signs of the weak sources from a corner of `largest` with all other signs from `corner`. The search also
-/// tries the mixed corners in which the signs of the weak sources, of the other sources, or of all sources
-/// are reversed.
+/// TCP by the linear model. A source is weak if a flip of its sign can change the linear error by at most the
+/// threshold. If one to `MAX_FREE` sources are weak, the search first tries all combinations of their signs.
+/// The threshold does not apply to these combinations. If more than `MAX_FREE` sources are weak, the search
+/// also starts from mixed corners. A mixed corner combines the signs of the weak sources from a corner of
+/// `largest` with all other signs from `corner`. The search also tries the mixed corners in which the signs
+/// of the weak sources, of the other sources, or of all sources are reversed.
 ///
-/// The error is computed only at corners where it may exceed the largest error so far. The function
-/// [`CornerModel::may_exceed`] predicts whether this is possible. The prediction saves time and does not
-/// change the result of the search.
+/// A flip is skipped if [`CornerModel::may_exceed`] or [`CornerModel::pair_gains`] proves that it does not
+/// increase the error. A combination is skipped if [`CornerModel::predict_combinations`] proves that another
+/// combination has a larger error. These predictions save time and do not change the result of the search.
 ///
-/// If `largest` is None, the search leaves out the mixed corners. The second part of the result states whether
-/// the search is complete: it has left out nothing.
+/// If `largest` is None, the search leaves out the mixed corners. The second part of the result is false if
+/// the search has left out mixed corners.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

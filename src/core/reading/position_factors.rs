@@ -97,7 +97,8 @@ impl PositionFactors {
     /// Returns an upper bound, m, of the mean of the second-order terms of the TCP position; None if no bound is
     /// known. `covariance` is the sum of the outer products of all effects, m^2.
     ///
-    /// The second derivative of a rotation is at most as long as its effect g per unit. So the mean is at most
+    /// Let g be the derivative of the TCP position with respect to a rotation. Let sigma be the standard
+    /// deviation of this rotation. The second derivative is at most as long as g. So the mean is at most
     /// `1/2 sum sigma^2 |g|`, and the Cauchy-Schwarz inequality bounds this sum.
     pub fn most_mean(&self, covariance: &Matrix3<f64>) -> Option<f64> {
         Some(self.turned? * covariance.trace().max(0.0).sqrt() / 2.0)

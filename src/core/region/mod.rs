@@ -86,8 +86,11 @@ pub struct Region {
     pub z: (f64, f64),
     /// Range of the yaw of the piece in the world frame, rad.
     pub yaw: (f64, f64),
-    /// Largest distance, m, by which the piece may be displaced in plan, in every direction that the search
-    /// allows. None if the search does not move the piece in plan.
+    /// Largest distance, m, by which the piece may be displaced in every direction in plan. If only x or only
+    /// y may vary, only the two directions along this axis count. None if neither x nor y may vary.
+    ///
+    /// A coordinate may vary if it has a range of the search. In a cell without search variables, a
+    /// coordinate with a placement tolerance may vary within a window.
     pub room: Option<f64>,
     /// Largest angle, rad, by which the piece may be rotated in both directions; None if the search does not
     /// rotate the piece.
@@ -101,7 +104,8 @@ pub struct Region {
 /// Regions of a layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regions {
-    /// One region per piece that the search places.
+    /// Regions of the pieces with a coordinate that the search varies over a range. A cell without search
+    /// variables has a region for each piece with a placement tolerance.
     pub pieces: Vec<Region>,
     /// Rotation of all pieces together about the base axis. None if the search does not vary x, y and yaw of
     /// the equipment under an operation.

@@ -28,8 +28,10 @@ const SHRINK: f64 = 0.98;
 /// limits the room.
 const BEYOND: f64 = 1.02;
 
-/// Returns the bodies that the search places or, if the search places none, the bodies with a placement
-/// tolerance.
+/// Returns the bodies with a coordinate that the search varies over a range.
+///
+/// If no coordinate and no attitude angle is a search variable, the function returns the bodies with a
+/// placement tolerance.
 pub fn movable(cell: &Cell) -> Vec<MovableBody> {
     let bodies = [MovableBody::Base].into_iter().chain((0..cell.equipment.len()).map(MovableBody::Equipment));
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
@@ -62,7 +64,8 @@ pub struct MovablePiece<'a> {
     own: Placement,
     effort: RegionEffort,
     /// Values of the operations that the piece does not carry. If given, every check of a placement begins
-    /// with a cheap estimate from these values. None for the robot base, and if a check takes microseconds.
+    /// with a cheap estimate from these values. The field is None for the robot base. It is also None if a
+    /// check of a placement takes microseconds.
     uncarried: Option<Uncarried>,
 }
 

@@ -68,7 +68,7 @@ pub struct Chain {
     /// Pose of D-H frame 0 in the base frame of the robot.
     pub mount: Pose,
     pub links: Vec<Link>,
-    /// Pose of every joint frame in the D-H frame before the row of the joint.
+    /// Pose of every joint frame in the D-H frame of the link before the joint.
     ///
     /// A joint frame is fixed to the link before the joint.
     pub joint_frames: Vec<Pose>,

@@ -130,7 +130,8 @@ impl CmaEs {
         self.sigma *= ((self.c_sigma / self.d_sigma) * (length / self.chi - 1.0)).min(1.0).exp();
     }
 
-    /// Returns whether one of the stopping rules that matter on a unit cube ends the run.
+    /// Returns whether a stopping rule ends the run. The rules check the best costs, the step size and the
+    /// condition number of the covariance.
     ///
     /// Source: section B.3 of N. Hansen, arXiv:1604.00772.
     fn has_settled(&mut self, best: f64, eigenvalues: &DVector<f64>) -> bool {

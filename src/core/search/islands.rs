@@ -68,8 +68,9 @@ impl Island {
         }
     }
 
-    /// Returns the key by which islands are sorted. Islands with an accepted layout come first, in the order
-    /// of their least objectives. The other islands follow in the order of the costs of their best layouts.
+    /// Returns the key by which islands are sorted. Islands that found a feasible layout within every limit
+    /// come first, in the order of their least objectives. The other islands follow in the order of the costs
+    /// of their best layouts.
     fn rank(&self) -> (bool, f64) {
         (self.least.is_none(), self.least.unwrap_or(self.cost))
     }

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// Largest number of evaluations of one run, which limits the journal to several hundred kilobytes.
 const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
-/// Number of evaluations in one run of a Pareto search, divided by the number of variables plus one.
+/// A run of a Pareto search with n variables has at most this number times `n + 1` evaluations.
 ///
 /// Many scalarizations that are minimized roughly give a better front than a few scalarizations minimized
 /// exactly.

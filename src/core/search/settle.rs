@@ -40,7 +40,7 @@ const WIDEST: f64 = 0.25;
 /// Initial upper limit of an estimated room, m. This limit grows with the largest room found so far, up to
 /// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
-/// A room is not estimated accurately if it is below this share of the largest room so far.
+/// The estimate of a room stops early if the room is below this share of the largest room so far.
 const POOR: f64 = 0.3;
 /// A layout has nearly the most room if its room is at least this share of the largest room.
 const NEARLY: f64 = 0.98;
@@ -72,8 +72,9 @@ struct RoomState {
 /// several such layouts, the function returns the layout with the most clearance.
 ///
 /// `best` is the point with the least objective, `least`. `bound`, if given, is a further upper limit of the
-/// objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and if
-/// no piece can move in plan. The result is also None if the observer stops the search.
+/// objective. The result is None if the cell requests an ideal layout or a Pareto search. The result is also
+/// None for an indifference of 0, and if no piece can move in plan. The result is also None if the observer
+/// stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

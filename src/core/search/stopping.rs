@@ -77,7 +77,7 @@ pub struct Stopping {
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
     /// Number of consecutive evaluations without improvement after which the polish begins. An improvement
-    /// lowers the best cost by more than one millionth of its size.
+    /// counts if the cost falls by more than one millionth since the last improvement that counted.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///

@@ -28,8 +28,8 @@ pub struct ComparedPose {
     /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
     /// reflectors absorbs a part of them.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside a second 95 % ellipsoid, whose deviations change from pose to
-    /// pose. None unless the error set comes from measurements.
+    /// Whether the measured error is inside a second 95 % ellipsoid. This ellipsoid follows from deviations
+    /// that change from pose to pose. None unless the error set comes from measurements.
     pub is_inside_varying: Option<bool>,
 }
 

@@ -45,7 +45,8 @@ pub struct MeasuredComparison {
 }
 
 impl MeasuredComparison {
-    /// Compares a session with predicted errors. Poses within `spot` (m) of each other are one spot.
+    /// Compares a session with predicted errors. A spot holds poses whose command positions are within `spot`
+    /// (m) of its first pose along every axis.
     ///
     /// # Errors
     /// Returns the reason why base and reflectors cannot be fitted.

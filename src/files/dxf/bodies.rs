@@ -11,7 +11,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Largest number of bodies of a plan, because every posture is checked against each body.
+/// Largest number of bodies of a plan. Every posture is checked against each body, so the number is limited.
 const MAX_BODIES: usize = 500;
 
 /// Largest distance, m, of a corner from the box that replaces a rectangular outline.

@@ -80,8 +80,8 @@ fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     })
 }
 
-/// Returns an empty string, then the values of all group codes 0. A [`slice::split`] at the group codes 0
-/// gives one part for each of these strings. The string is the type of its part, empty for the first part.
+/// Returns an empty string, then the values of all group codes 0. If [`slice::split`] splits the pairs at
+/// group code 0, string k is the type of part k. The first part has no type.
 fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }

@@ -12,7 +12,8 @@ use crate::geometry::{PlanePoint, polygon_area, turn};
 use nalgebra::Vector2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest number of outlines of a plan, because every posture is checked against each of them.
+/// Largest number of outlines of a plan. Every posture is checked against the bodies of each outline, so the
+/// number is limited.
 const MAX_OUTLINES: usize = 200;
 
 /// Largest number of corners of an outline.

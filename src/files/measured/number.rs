@@ -16,7 +16,7 @@ const MISSING: [&str; 9] = ["", "nan", "-", "--", "n/a", "na", "null", "none", "
 /// Units that may follow a number.
 const UNITS: [&str; 6] = ["mm", "deg", "rad", "°", "in", "m"];
 
-/// Least magnitude of a number that cannot be a measurement.
+/// Magnitude at and above which a number cannot be a measurement.
 const TOO_LARGE: f64 = 1e15;
 
 impl FieldValue {

@@ -36,7 +36,7 @@ fn read_bend(t: &mut Table) -> Option<Coordinate> {
     if let Some(deg) = beyond {
         let given = plain(units::rounded(deg, 6));
         let message = format!("`bend_deg` must be from -{MAX_BEND} to {MAX_BEND}, not {given}");
-        let help = "at -90 the tool points down, at 0 it is horizontal, at 90 it points up; -100 is 10 beyond straight down";
+        let help = "-90 points the tool down, 0 holds it horizontal, and 90 points it up; -100 is 10 degrees past straight down";
         t.error(node.at, message, help);
     }
     Some(bend)

@@ -128,7 +128,7 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
         return None;
     }
     if let Some((i, j)) = crossing_edges(&corners) {
-        let message = format!("the fence crosses itself: its edges {} and {}", i + 1, j + 1);
+        let message = format!("edges {} and {} of the fence cross, touch or overlap", i + 1, j + 1);
         t.error(items[j].at, message, "list the corners in their order along the fence");
         return None;
     }

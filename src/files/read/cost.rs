@@ -32,7 +32,7 @@ pub enum CostedUnit {
 pub struct CostedParameter {
     /// Name in the file; empty if the file cannot name the parameter.
     pub name: String,
-    /// Tolerance in SI units; 0 if the parameter has no individual tolerance.
+    /// Tolerance in SI units; 0 if the file states no tolerance, or a covariance instead.
     pub plus_minus: f64,
     pub unit: CostedUnit,
 }
@@ -83,7 +83,7 @@ pub fn read_all(t: &mut Table, parameters: &[CostedParameter]) -> Option<Vec<Tol
         for &place in places {
             let name = &parameters[place].name;
             if costs[place].is_some() {
-                t.error(entry.at, format!("`{name}` has two costs"), "remove it from one of them");
+                t.error(entry.at, format!("`{name}` has two costs"), "name it in only one entry of `cost`");
             }
             costs[place] = entry.law.of(&parameters[place], entry.at, t);
         }
@@ -288,8 +288,9 @@ impl StatedLaw {
                     let (tight, loose) = (pair[0].0, pair[1].0);
                     if loose.cost >= tight.cost {
                         let [loose_name, tight_name] = [loose, tight].map(|g| shown(&g.name));
-                        let message =
-                            format!("the grade `{loose_name}` costs no less than the tighter `{tight_name}`");
+                        let message = format!(
+                            "the grade `{loose_name}` is neither tighter nor cheaper than `{tight_name}`"
+                        );
                         t.error(loose.at, message, "remove it, or correct tolerance and cost");
                         return None;
                     }

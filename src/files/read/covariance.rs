@@ -205,7 +205,7 @@ impl<'n> Matrix<'n> {
         let deviations = self.at(i, i).max(0.0).sqrt() * self.at(j, j).max(0.0).sqrt();
         if (a - b).abs() > ROUNDING * a.abs().max(b.abs()) {
             let message = format!(
-                "`matrix` is not symmetric: {} here, {} as entry {} of row {}",
+                "`matrix` is not symmetric: this entry is {0}, but entry {2} of row {3} is {1}",
                 plain(a),
                 plain(b),
                 i + 1,

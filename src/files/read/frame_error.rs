@@ -39,7 +39,7 @@ pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Opt
         let joint = read_joint(node, arm, t)?;
         if std::mem::replace(&mut given[joint], true) {
             let message = format!("joint {} is given twice", joint + 1);
-            t.error(node.at, message, "put all its errors into one of the two");
+            t.error(node.at, message, "state all its errors in one entry");
         }
         Some((joint, values?))
     });

@@ -73,7 +73,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
         t.error(node.at, message, format!("write {name} = [{high}, {low}]"));
     } else if limits[0] == limits[1] {
         let message = format!("`{name}` leave no travel: both are {low}");
-        t.error(node.at, message, "a fixed axis is not a joint: add it to the offset of another row");
+        t.error(node.at, message, "remove this fixed axis, and include its offset in another row");
     }
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }

@@ -35,7 +35,7 @@ pub fn read(t: &mut Table, arm: ErrorRows<'_>) -> Option<Option<Vec<(f64, f64)>>
     (ranges.len() == items.len()).then_some(Some(ranges))
 }
 
-/// Refuses the ranges in a set that is not measured.
+/// Refuses `measured_ranges` in an error set that is not measured.
 pub fn refuse(t: &mut Table) {
     if let Some(node) = t.get(&error_set::RANGES) {
         let message = "only measured errors have `measured_ranges`";

@@ -119,7 +119,7 @@ fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
             );
             let help = match parameter {
                 Parameter::Periodic(_) => "are its coefficients really in degrees?",
-                _ => "is it really in degrees per m, or degrees per N m?",
+                _ => "is its value really in degrees per m (elastic) or degrees per N m (compliance)?",
             };
             lib.fault(at, Severity::Warning, message, help);
         }

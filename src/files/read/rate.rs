@@ -46,7 +46,7 @@ pub fn read_list(t: &mut Table, joints: &mut [Joint]) {
             };
             if std::mem::replace(&mut given[number], true) {
                 let message = format!("joint {} is given twice", number + 1);
-                t.error(node.at, message, "put both its speed and its acceleration into one of the two");
+                t.error(node.at, message, "state its speed and its acceleration in one entry");
             }
             Some((number, read_rate(t, &named[number])))
         });

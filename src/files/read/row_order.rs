@@ -11,7 +11,7 @@ pub struct ErrorRows<'j> {
     pub joints: &'j [Joint],
     /// Whether the rows are in modified convention, in which a row begins with the common normal.
     pub modified: bool,
-    /// Whether an actuator moves more than its own D-H coordinate.
+    /// Whether an actuator moves a D-H coordinate other than its own.
     pub is_coupled: bool,
 }
 
@@ -21,8 +21,8 @@ impl ErrorRows<'_> {
     ///
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
     /// rotates about an axis. In the frame of joint 1, dl becomes the error x, and dbeta the error ry. In the
-    /// base frame, dalpha becomes the error rx. The conversion is exact, because Tx and Rx commute. In
-    /// addition, each of these two frames gets a rotation error about one axis only.
+    /// base frame, dalpha becomes the error rx. The conversion is exact, because Tx and Rx commute. The
+    /// conversion adds to each of these two frames a rotation error about one axis only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]

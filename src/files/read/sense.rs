@@ -91,7 +91,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
         } else {
             let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
             let message = format!("a term may have only one of the keys `{}`", names.join("` and `"));
-            t.error(t.at, message, "write term = [{ ... }, { ... }], with one of them in each");
+            t.error(t.at, message, "write term = [{ ... }, { ... }], with one of these keys in each { ... }");
         }
         return None;
     };

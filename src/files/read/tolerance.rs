@@ -86,8 +86,8 @@ fn set_variances(spreads: &mut [Spread], covariance: Option<&Covariance>, sigmas
     }
 }
 
-/// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here, because its
-/// kind is already a fault.
+/// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here, because another
+/// fault already reports the unknown kind.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE, error_set::COST] {
         if let Some(node) = t.get(&key)

@@ -326,7 +326,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         for (names, help) in missing {
             let message = match &names[..] {
                 [name] => format!("`{name}` is missing"),
-                names => format!("one of `{}` is missing", names.join("`, `")),
+                names => format!("one of the keys `{}` is required", names.join("`, `")),
             };
             self.lib.error(self.at, message, help);
         }

@@ -8,13 +8,13 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Least number of moving joints before a branching whose moving branches count as the fingers of a gripper.
+/// Least number of moving joints before a branching into the fingers of a gripper.
 const ARM: usize = 3;
 
 /// Largest number of moving joints of a finger.
 const FINGER: usize = 3;
 
-/// Least number of moving joints before a short prismatic joint at the end that counts as a gripper jaw.
+/// Least number of moving joints before a gripper jaw: a short prismatic joint that is the last moving joint.
 const ARM_BEFORE_JAW: usize = 5;
 
 /// Largest travel of a jaw, m.
@@ -98,8 +98,8 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches are fingers: several branches are driven, or one branch is driven and all other
-/// branches mimic its joints.
+/// Returns whether branches are fingers: several branches are driven, or a joint in one of the branches
+/// mimics a joint in one of the branches. A driven branch has a moving joint that mimics no joint.
 ///
 /// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {

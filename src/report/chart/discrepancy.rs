@@ -24,7 +24,8 @@ const CURVES: [Curve; 4] = [
     ("resultant", Ink::Text, |d| d.resultant),
 ];
 
-/// Draws one panel per operation: the usable nodes from left to right, their discrepancy in percent upwards.
+/// Draws one panel per operation. A panel shows the discrepancy in percent over the usable nodes, in the
+/// order of the grid.
 pub fn discrepancy(a: &Assessment<'_>) -> String {
     let heading = format!(
         "{}, errors {}: linear against nonlinear model",

@@ -13,9 +13,9 @@ use crate::units::rounded;
 
 const HEIGHT: f64 = 330.0;
 
-/// Draws the Pareto front with the error upwards and the first goal other than the error to the right. If the
-/// error is not a goal, draws the first goal upwards and the second to the right. Returns None if the search
-/// had fewer than two goals or the front is empty.
+/// Draws the Pareto front. The vertical axis shows the error, and the horizontal axis shows the first other
+/// goal. If the error is not a goal, the vertical axis shows the first goal, and the horizontal axis shows
+/// the second goal. Returns None if the search had fewer than two goals or the front is empty.
 pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let asked: Vec<Goal> = cell.search.pareto.iter().collect();
     let up = *asked.iter().find(|g| **g == Goal::Error).or(asked.first())?;

@@ -42,7 +42,7 @@ pub fn refined(at: (f64, f64)) -> String {
     path(at, &corners, &Ink::Paper.line(4.5)) + &path(at, &corners, &Ink::Spot.line(2.0))
 }
 
-/// Returns the dashed ring that marks the spot under another reading than the reading of the cell.
+/// Returns the dashed ring that marks the spot under a reading other than the reading of the cell.
 pub fn other_spot(at: (f64, f64)) -> String {
     let dashed = format!("{} stroke-dasharray=\"4 3\"", Ink::Text.line(2.0));
     ring(at, 8.0, &Ink::Paper.line(5.0)) + &ring(at, 8.0, &dashed)

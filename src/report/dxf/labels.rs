@@ -9,7 +9,7 @@ use crate::report::chart::labels::OccupiedBoxes;
 use crate::units::wrapped;
 use nalgebra::{Vector2, Vector3};
 
-/// Number of straight parts that replace an arc when the arc occupies its place.
+/// Number of straight lines that approximate an arc. The places along these lines count as occupied.
 const ARC_PARTS: usize = 24;
 
 /// Occupied places in plan, world frame, m.
@@ -17,7 +17,7 @@ pub struct Labels {
     taken: OccupiedBoxes,
     /// Height of texts, m.
     height: f64,
-    /// Left end and height of the next line of the column beside all objects, m.
+    /// Start of the next line of text in the column beside all objects: x and y in plan, m.
     column: Vector2<f64>,
 }
 
@@ -97,8 +97,8 @@ impl Labels {
         }
     }
 
-    /// Occupies and returns the left end of a text beside the box from `low` to `high`. Returns None if no
-    /// place near the box is free.
+    /// Returns the left end of a text beside the box from `low` to `high`, and occupies the place of the
+    /// text. Returns None if no place near the box is free.
     pub fn beside(&mut self, said: &str, (low, high): (PlanePoint, PlanePoint)) -> Option<Vector2<f64>> {
         let (wide, h) = (width(said, self.height), self.height);
         let middle = ((low.0 + high.0 - wide) / 2.0, (low.1 + high.1 - h) / 2.0);

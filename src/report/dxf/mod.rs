@@ -84,7 +84,7 @@ fn region(file: &mut DxfFile, region: &DrawnRegion) {
 }
 
 /// Returns the least and the greatest distance (m) of the working envelope from the base axis, at the height
-/// of the work.
+/// of the TCP at the nodes.
 fn radii(drawing: &Drawing<'_>, k: usize) -> Option<(f64, f64)> {
     let centre = drawing.base.translation.xy();
     let points = drawing.envelopes[k].at_work.iter().flatten();
@@ -92,8 +92,8 @@ fn radii(drawing: &Drawing<'_>, k: usize) -> Option<(f64, f64)> {
     away.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
-/// Writes the outlines of the working envelope at the height of the work. Writes two circles about the base
-/// axis through the nearest and the farthest point of the envelope.
+/// Writes the outlines of the working envelope at the height of the TCP at the nodes. Writes two circles
+/// about the base axis through the nearest and the farthest point of the outlines.
 fn envelope(file: &mut DxfFile, drawing: &Drawing<'_>, k: usize) {
     let rings = &drawing.envelopes[k].at_work;
     rings.iter().for_each(|ring| flat_ring(file, ENVELOPE, ring));
@@ -184,7 +184,8 @@ fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, lab
     }
 }
 
-/// Writes the yaw of a piece as an angular dimension at its frame, with the number where it covers nothing.
+/// Writes the yaw of a piece as an angular dimension at its frame. The number is at a free place near the
+/// arc. If no place is free, the number is in the column of texts.
 fn yaw(file: &mut DxfFile, (equipment, at): (&Equipment, &Placement), tolerance: f64, labels: &mut Labels) {
     let angle = wrapped(at.yaw);
     let after = plus_minus(deg_from_rad(tolerance), "\u{b0}");

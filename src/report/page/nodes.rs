@@ -10,8 +10,8 @@ use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Largest total number of nodes with which the tables list every node. If the operations have more nodes,
-/// each table lists only the best nodes of its operation.
+/// Limit of the number of nodes of all operations together. Up to this limit, the tables list every node.
+/// Above this limit, each table lists only the best nodes of its operation.
 const MAX_ROWS: usize = 2000;
 /// Number of nodes in a table that lists only its best nodes.
 const BEST_ROWS: usize = 200;

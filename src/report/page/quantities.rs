@@ -24,7 +24,7 @@ pub fn down(unit: Unit, bound: f64) -> String {
     }
 }
 
-/// Largest number of decimals with which two different values are printed.
+/// Largest number of decimals that [`apart`] uses to make the texts of two values differ.
 const MAX_DECIMALS: usize = 9;
 
 /// Returns two different SI values as texts in `unit`. The number of decimals, at most [`MAX_DECIMALS`], is

@@ -81,8 +81,8 @@ fn lines(drawing: &Drawing<'_>) -> Vec<ListLine> {
     all
 }
 
-/// Returns the lines of robot, equipment and obstacles. Corners and frames are given along the world axes
-/// from the robot base, heights from the floor.
+/// Returns the lines of robot, equipment and obstacles. Positions of corners and frames are relative to the
+/// robot base, along the world axes. Heights are measured from the floor.
 fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let columns = ["corner x", "corner y", "frame x", "frame y", "height", "yaw"];

@@ -1,4 +1,4 @@
-//! The answer of a search or map: the placements, the errors of the operations, and the room to place.
+//! Answer of a search or map: placements, errors of the operations, and room of every piece.
 
 use super::compare::margin;
 use super::table::TextTable;
@@ -11,7 +11,7 @@ use crate::region::MovableBody;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// Returns the answer for one feasible layout, in the order in which a fitter needs it.
+/// Returns the answer for one feasible layout: placements, errors and limits, yield, cycle time, and room.
 ///
 /// The text is empty if the layout is not feasible.
 pub fn answer(a: &Assessment<'_>) -> String {

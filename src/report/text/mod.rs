@@ -129,7 +129,8 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Returns a line with the reason why errors that compensate each other have no worst case and no statistics.
+/// Returns the line that replaces worst case and statistics if the errors compensate each other. The line
+/// states the reason.
 pub fn no_tolerances() -> String {
     format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }

@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const HEIGHTS: &str = "equipment.worktable.placement.z_mm=";
 
@@ -298,23 +298,6 @@ fn start_long(shop: &Sandbox, budget: u64, more: &[&str]) -> Worker {
     Worker::start(shop, &[&args[..], more].concat())
 }
 
-/// Sweeps one combination without interruption into the folder `straight`. Returns a number of layouts with
-/// which this takes at least 6 s. A worker writes its first checkpoint after 2 s.
-fn long_budget(shop: &Sandbox) -> u64 {
-    let mut budget = 100_000;
-    loop {
-        let began = Instant::now();
-        let straight = start_long(shop, budget, &["--out", "straight"]).ended();
-        assert_eq!(straight.code, Some(0), "{}", straight.err);
-        let seconds = began.elapsed().as_secs_f64();
-        if seconds >= 6.0 {
-            return budget;
-        }
-        budget = (budget as f64 * 8.0 / seconds).ceil() as u64;
-        std::fs::remove_dir_all(shop.path("straight")).unwrap();
-    }
-}
-
 /// Name of the checkpoint of the first combination.
 const FIRST_CHECKPOINT: &str = "shared/.sweetspot-0000.checkpoint";
 
@@ -326,22 +309,46 @@ fn continued(worker: &RunOutput) -> u64 {
     count.split(' ').next().unwrap().parse().unwrap()
 }
 
+/// Kills a worker after the first checkpoint of its combination, which the worker writes after 2 s. Returns the
+/// folder, and a number of layouts of which at most a quarter are done.
+fn killed_after_checkpoint() -> (Sandbox, u64) {
+    let mut budget = 150_000;
+    loop {
+        let shop = Sandbox::new();
+        let worker = start_long(&shop, budget, &["--claim", "shared", "--lease", "1"]);
+        let (checkpoint, row) = (shop.path(FIRST_CHECKPOINT), shop.path("shared/0000.json"));
+        wait_until("a checkpoint", || checkpoint.exists() || row.exists());
+        // Dropping a worker kills it.
+        drop(worker);
+        match std::fs::read(checkpoint).ok().filter(|_| !row.exists()) {
+            Some(text) => {
+                let stored: Value = serde_json::from_slice(&text).unwrap();
+                let done = stored["state"]["record"]["evaluations"].as_u64().unwrap();
+                if 4 * done <= budget {
+                    return (shop, budget);
+                }
+                budget = 5 * done;
+            }
+            None => budget *= 4,
+        }
+    }
+}
+
 /// One worker is killed with SIGKILL, and another worker is stopped. The next workers continue from the
 /// checkpoints, and no checkpoint remains at the end.
 #[cfg(unix)]
 #[test]
 fn a_killed_combination_continues_from_its_checkpoint() {
-    let shop = Sandbox::new();
-    let first = start_long(&shop, long_budget(&shop), &["--claim", "shared", "--lease", "1"]);
-    wait_until("a checkpoint", || shop.path(FIRST_CHECKPOINT).exists());
-    // Dropping a worker kills it.
-    drop(first);
+    let (shop, budget) = killed_after_checkpoint();
+    let written = || shop.path(FIRST_CHECKPOINT).metadata().unwrap().modified().unwrap();
+    let first = written();
     let second = Worker::start(&shop, &["sweep", "--claim", "shared", "--lease", "1"]);
-    wait_until("the successor", || shop.path("shared/claims/0000-2").exists());
-    std::thread::sleep(Duration::from_millis(500));
+    wait_until("the successor's checkpoint", || written() > first);
     let stopped = second.stopped();
     let third = shop.done(&["sweep", "--claim", "shared"]);
     assert!(continued(&third) > continued(&stopped), "{} {}", stopped.err, third.err);
+    let straight = start_long(&shop, budget, &["--out", "straight"]).ended();
+    assert_eq!(straight.code, Some(0), "{}", straight.err);
     assert_eq!(result(&shop, "shared"), result(&shop, "straight"));
 }
 

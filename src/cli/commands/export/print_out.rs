@@ -1,4 +1,4 @@
-//! Export of the answer, the set-out drawing and the report as one PDF.
+//! Export of a PDF: the verdict on page 1, the drawing to scale on page 2, and the report as an appendix.
 
 use super::{cell_file, output_file, posture, write};
 use crate::cli::Exit;

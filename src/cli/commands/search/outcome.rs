@@ -66,8 +66,8 @@ impl<'a> SearchOutcome<'a> {
         }
     }
 
-    /// Returns the exit code. The answer is no if no feasible layout was found, or if an operation of the
-    /// best layout exceeds its limit.
+    /// Returns the exit code. A finished search gives [`Exit::AnswerIsNo`] if no feasible layout was found,
+    /// or if an operation of the best layout exceeds its limit.
     pub fn exit(&self) -> Exit {
         let misses = self.comparison.columns.last().is_some_and(|best| !best.meets_requirements());
         match (self.record.ended, self.record.found()) {

@@ -130,8 +130,9 @@ impl JointMap {
 
     /// Returns the plain map with every set of couplings that is tried.
     ///
-    /// Joint 3 may be measured from the horizontal instead of from link 2. The joints of a wrist may drive
-    /// each other. The last joint of a palletizer may be driven by the joints before it.
+    /// Joint 3 may be measured from the horizontal instead of from link 2. Joints 2 and 3 may drive joint 4
+    /// of an arm with four or five axes, such as a palletizer. In the wrist of an arm with six or more axes,
+    /// joint 4 may drive joints 5 and 6. Joint 5 may drive joint 6 there.
     pub fn couplings(axes: usize) -> Vec<Self> {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         if axes >= 3 {

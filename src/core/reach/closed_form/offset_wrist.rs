@@ -33,7 +33,7 @@ pub struct OffsetWrist {
     lead: Option<Pose>,
 }
 
-/// Axis 6 in frame 0, which the pose of the flange determines.
+/// Axis 6 in frame 0. The pose of the flange determines this axis.
 struct FixedAxis {
     /// Axis x of frame 6.
     ///
@@ -94,9 +94,10 @@ impl OffsetWrist {
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. Let P be the intersection of axes 4 and 5. If the first three joints reach P at no scanned
-    /// theta_6, the measure is their least distance from P. Otherwise the measure is the least cosine error
-    /// of the angle between axes 4 and 5, times the forearm length r_4.
+    /// reach. Let P be the intersection of axes 4 and 5. If the first three joints cannot reach P for any
+    /// scanned theta_6, the measure is a distance. It is the least distance between P and the points that
+    /// these joints reach. Otherwise the measure is the least cosine error of the angle between axes 4 and 5,
+    /// times the forearm length r_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

@@ -131,7 +131,7 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
 
 /// Computes the distance transform along one line of cells.
 ///
-/// The squared distance by way of cell k, at the position x on the line, is the parabola
+/// The squared distance from position x on the line to `nearest` of cell k is the parabola
 /// `square[k] + (x - k)^2`. The lower envelope of these parabolas is the transform.
 ///
 /// For each cell, `nearest` holds the index of the nearest filled cell. `square` holds the squared distance

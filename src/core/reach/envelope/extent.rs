@@ -4,7 +4,7 @@
 //! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). A poll tests points in
 //! several directions, all at the polling distance. Each direction is rotated from the previous one by the
 //! golden angle. So some directions also point into a sharp tip of the envelope. The polling distance doubles
-//! after a gain.
+//! after a gain, which is a poll that finds a better point.
 
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;
@@ -95,7 +95,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
         ends.reduce(|best, other| if goal(&other) > goal(&best) { other } else { best })
     }
 
-    /// Returns the point to which a compass search for a greater value of `goal` leads from `start`.
+    /// Returns the end point of a compass search that starts at `start` and maximizes `goal`.
     fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
         // A point on the sampled boundary may lie just outside the envelope. For such a start, any polled
         // point inside the envelope counts as a gain.

@@ -6,7 +6,8 @@
 //! angle 4. Here `c` and `s` are the cosine and the sine of half an angle. At a simple root, the null space
 //! is one vector, and ratios of its entries give the angles. Several solutions can share angle 2. The null
 //! space then has one vector per solution. A matrix maps the first nine products of these vectors to the last
-//! nine. The eigenvalues of this matrix are the half tangents of angle 3.
+//! nine. The eigenvalues of this matrix are the tangents of half of angle 3. Before this step, the
+//! code adds `HALF_ROTATION` to the half angles. So the tangent is finite at 180 degrees.
 
 use super::elimination::triangulate;
 use super::half_angle_equations::{HalfAngleRows, half_angle_terms, residual};
@@ -41,7 +42,8 @@ const SCHUR_STEPS: usize = 60;
 /// fourth power of the length of the longest vector.
 const INDEPENDENT: f64 = 1e-8;
 
-/// Largest squared length of a cross product at which both roots of one equation for angle 4 are computed.
+/// Upper limit of the squared length of a cross product. Below this limit, two equations for angle 4 are
+/// nearly dependent, and both roots of one of them are computed.
 ///
 /// The value is a share, as in [`INDEPENDENT`].
 const DEPENDENT: f64 = 1e-4;
@@ -49,13 +51,13 @@ const DEPENDENT: f64 = 1e-4;
 /// Twelve nearly singular equations in upper triangular form.
 struct NullSpace {
     rows: [[f64; 12]; 12],
-    /// Unknown to which each column of the triangle belongs.
+    /// Index of the unknown to which each column of the triangle belongs.
     columns: [usize; 12],
 }
 
 impl NullSpace {
-    /// Returns the null space of twelve equations: the six equations, and the six equations times the half
-    /// tangent of angle 3.
+    /// Returns the null space of twelve equations: the six equations, alone and times the tangent of half of
+    /// angle 3.
     fn new(equations: &HalfAngleRows) -> Self {
         let mut rows = [[0.0; 12]; 12];
         let (alone, times) = rows.split_at_mut(6);
@@ -107,8 +109,9 @@ pub(super) fn angle_pairs(equations: &HalfAngleRows, limit: f64, found: &mut imp
 
 /// Returns the angles 3 and 4 (rad) of a vector of the twelve products.
 ///
-/// The ratio of two neighbouring products is the ratio of cosine to sine of half an angle. The sums over
-/// all pairs of neighbouring products give large products more weight.
+/// The ratio of two neighbouring products is the ratio of cosine to sine of half an angle. Each pair (c, s)
+/// of neighbouring products adds `c^2`, `c s` and `s^2` to the sums from which the angle follows. So pairs of
+/// large products have more weight.
 fn single_pair(vector: &[f64; 12]) -> [f64; 2] {
     let squares = |(c, s): (f64, f64)| Vector3::new(c * c, c * s, s * s);
     let third = (0..9).map(|k| (vector[k], vector[k + 3]));

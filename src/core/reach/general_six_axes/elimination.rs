@@ -90,8 +90,8 @@ pub(super) fn triangulate<const SIZE: usize>(rows: &mut [[f64; SIZE]; SIZE]) -> 
 
 /// Eliminates column `k` from the rows below row `k`.
 ///
-/// Beforehand, the function exchanges row `k` with a row from `k` on. The chosen row has the greatest
-/// absolute entry in column `k`.
+/// Beforehand, the function chooses row `k` or a row below it, and exchanges row `k` with the chosen row.
+/// The chosen row has the greatest absolute entry in column `k`.
 ///
 /// Returns the pivot, with its sign changed if rows were exchanged.
 #[inline(always)]
@@ -111,7 +111,8 @@ fn eliminate_column<const ROWS: usize, const WIDTH: usize>(rows: &mut [[f64; WID
     sign * rows[k][k]
 }
 
-/// Eliminates three columns. Returns the product of the pivots, and the sign of the row exchanges.
+/// Eliminates three columns. Returns two numbers: the product of the pivots, and the sign (1 or -1) of the
+/// row exchanges.
 #[inline]
 pub(super) fn eliminate_three(rows: &mut [[f64; 9]; 6]) -> (f64, f64) {
     let (mut product, mut sign) = (1.0, 1.0);

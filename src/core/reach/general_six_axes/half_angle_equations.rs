@@ -43,8 +43,8 @@ impl HalfAngleEquations {
         rows
     }
 
-    /// Returns the determinant of twelve rows: the six equations, alone and times the half tangent of angle
-    /// 3.
+    /// Returns the determinant of twelve rows: the six equations, alone and times the tangent of half of
+    /// angle 3.
     ///
     /// Both sets of six equations have the same coefficients, shifted by three columns. So both sets share
     /// the elimination of three columns. This elimination leaves the rows `[A0 A1 A2]` and `[0 B1 B2]` of
@@ -75,9 +75,9 @@ impl HalfAngleEquations {
     /// Returns the determinant as a polynomial of a new angle, which magnifies the vicinity of `middle`
     /// (rad).
     ///
-    /// Let d be angle 2 minus `middle`. The half tangent of d is `scale` times the half tangent of the new
-    /// angle. The determinant is a form of degree 16 in cosine and sine of half of angle 2. So the polynomial
-    /// of the new angle has degree 8, too.
+    /// Let d be angle 2 minus `middle`. The tangent of half of d is `scale` times the tangent of half of the
+    /// new angle. The determinant is a form of degree 16 in cosine and sine of half of angle 2. So the
+    /// polynomial of the new angle has degree 8, too.
     pub fn polynomial_near(&self, middle: f64, scale: f64) -> CirclePolynomial {
         let (s, c) = middle.sin_cos();
         CirclePolynomial::through(|cos, sin| {

@@ -1,4 +1,4 @@
-//! Coordinates of a line and a point on the line, which a rigid transformation maps linearly.
+//! Coordinates of a line and of a point on this line. A rigid transformation maps these coordinates linearly.
 
 use crate::pose::Pose;
 use nalgebra::Vector3;

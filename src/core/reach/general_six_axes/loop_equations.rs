@@ -12,7 +12,8 @@ use crate::pose::Pose;
 /// In this case, only one equation for angle 0 is independent, and this equation has two solutions.
 const NEARLY_DEPENDENT: f64 = 1e-12;
 
-/// Axis of place 5 in the frame after joint 1, as a function of the angles 2, 3 and 4.
+/// Axis of joint 5 of the loop, as a function of the angles 2, 3 and 4. The coordinates are in the frame
+/// after the rotation of joint 1.
 ///
 /// The terms are coefficients of 1, of the cosine and of the sine of angle 2. There is one term for each of
 /// the nine products of half-angle terms of the angles 3 and 4.
@@ -21,7 +22,8 @@ pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],
 }
 
-/// Axis of place 5 in the frame of joint 1, as a function of angle 0.
+/// Axis of joint 5 of the loop, as a function of angle 0. The coordinates are in the frame before the
+/// rotation of joint 1.
 ///
 /// The axis follows from a path backwards through the loop: link 0, joint 0 and link 5.
 ///

@@ -23,7 +23,7 @@
 //!    leaves six equations (`loop_equations`). These equations are linear in 1, cosine and sine of t_2. They
 //!    are also linear in the nine products of `cc`, `cs`, `ss` of t_3 with `cc`, `cs`, `ss` of t_4. Here c
 //!    and s are cosine and sine of half an angle.
-//! 3. These equations, alone and times the half tangent of t_3, are twelve linear equations for twelve
+//! 3. These equations, alone and times the tangent of half of t_3, are twelve linear equations for twelve
 //!    products. The determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
 //!    The coefficients come from 24 samples on the circle, which also show the rounding error
 //!    (`circle_polynomial`).

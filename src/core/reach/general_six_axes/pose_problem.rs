@@ -18,10 +18,10 @@ const SAME_JOINT: f64 = 1e-5;
 
 /// Joint difference, rad, between a start of Newton's method and its solution.
 ///
-/// Below this value, the start may lie between two nearby solutions.
+/// If every joint differs by less than this value, the start may lie between two nearby solutions.
 const NEAR_START: f64 = 0.2;
 
-/// Ratio of the first step of Newton's method to the largest whole change of a joint.
+/// Ratio of two joint changes: the largest in Newton's first step, and the largest from start to solution.
 ///
 /// Above this value, the first step overshoots the solution.
 const OVERSHOOT: f64 = 1.05;
@@ -44,7 +44,7 @@ const UNCERTAIN: f64 = 1e-3;
 /// Largest uncertainty, rad, by which the vicinity of a root is extended.
 const MAX_EXTENSION: f64 = 0.1;
 
-/// Upper limit, rad, of the angle whose tangent is the scale of a magnified polynomial.
+/// Upper limit, rad, of an angle a. The scale of a magnified polynomial is `tan(a)`.
 ///
 /// Up to this limit, the angle is a quarter of the width of the magnified interval.
 const MAX_HALF_SPAN: f64 = 0.7;

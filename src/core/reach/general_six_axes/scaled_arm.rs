@@ -24,7 +24,7 @@ const STEPS: usize = 20;
 /// Longest step of a joint, rad. A longer step is shortened without a change of direction.
 const LONGEST_STEP: f64 = 0.5;
 
-/// Length, in units of the arm's length, by which rounding may increase the distance of a point in reach.
+/// Length added to [`ScaledArm::reach`] as an allowance for rounding, in units of the arm's length.
 const ROUNDING: f64 = 1e-9;
 
 /// Six revolute axes with their lengths in units of the arm's length.

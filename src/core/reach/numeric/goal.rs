@@ -166,8 +166,7 @@ fn finite(v: &Vector3<f64>) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-/// Returns the rotation vector (rad) of the rotation by the least angle that rotates the unit vector `from`
-/// to `to`.
+/// Returns the rotation vector (rad) of the smallest rotation that turns the unit vector `from` into `to`.
 pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (cross, cosine) = (from.cross(to), from.dot(to));
     let sine = cross.norm();

@@ -11,7 +11,8 @@ use std::f64::consts::{PI, TAU};
 pub(super) struct JointRange {
     pub lo: f64,
     pub hi: f64,
-    /// Whether the joint has no limits: its range is at least one turn, and a whole turn changes no frame.
+    /// Whether the joint has no limits. In this case, the range is at least one turn, and a whole turn leaves
+    /// all link poses unchanged.
     pub turns: bool,
     pub kind: JointKind,
 }

@@ -83,7 +83,8 @@ impl Numeric {
         }
     }
 
-    /// Returns the least distance found between the TCP and the goal, m, and whether that descent converged.
+    /// Returns the least distance between the TCP and the goal, m, that the descents find. Also returns
+    /// whether the descent with this distance converged.
     fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
         // Scaling before the norm keeps the squares of huge numbers finite.
         let size = goal.position.amax();

@@ -25,7 +25,8 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Returns start postures at the points of the low-discrepancy sequence R_d, scaled to `ranges`.
+    /// Returns start postures at the points of a low-discrepancy sequence ([`RobertsSequence`]), scaled to
+    /// `ranges`.
     ///
     /// The first posture is in the middle of all ranges.
     pub fn new(chain: &Chain, ranges: &[(f64, f64)]) -> Self {

@@ -17,8 +17,8 @@ impl Dominance {
         Self { m, covariance, trace: (0..m).map(|i| covariance[i][i]).sum() }
     }
 
-    /// Returns two shares of a parameter with the effect `g`: in the variance of the error, and in the
-    /// variance along `g`.
+    /// Returns two shares of the parameter with the effect `g`. The first share is the share in the variance
+    /// of the error. The second share is the share in the variance of the component along `g`.
     ///
     /// The second share is 1 for a parameter that alone varies the error in its direction.
     pub fn shares(&self, g: &Vector6<f64>) -> (f64, f64) {

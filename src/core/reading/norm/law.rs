@@ -109,7 +109,7 @@ fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f
     whole.max(share(&|g| dot(g, mean).powi(2)))
 }
 
-/// Returns the maximum over the parameters of the product of two figures of a parameter.
+/// Multiplies two figures of each parameter, and returns the largest product.
 ///
 /// The first figure is the absolute excess kurtosis that the parameter causes along its own effect. The
 /// second figure is the share of the parameter in the variance of the error.

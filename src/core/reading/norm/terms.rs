@@ -19,8 +19,8 @@ use nalgebra::Vector6;
 /// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
 
-/// Largest excess kurtosis that all merged bounded parameters together may contribute to the error without
-/// the dominating parameter.
+/// Largest sum of absolute excess kurtoses at which the remaining bounded parameters are merged. The
+/// dominating parameter does not count.
 ///
 /// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum.
 const MAX_REST_EXCESS: f64 = 0.008;
