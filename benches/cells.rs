@@ -1,5 +1,6 @@
 //! Computing time of one evaluation of a layout, on one thread: `cargo bench --bench cells [-- NAME ...]`.
-//! The cells are the 14 cells of `CELLS`, or those whose names contain a `NAME`.
+//! Without a `NAME`, the program measures all cells of `CELLS`. Otherwise, it measures the cells whose names
+//! contain at least one `NAME`.
 //!
 //! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and
 //! 20 deg of the best layout of a short search. "Ideal" layouts need to work only at their nominal
@@ -19,7 +20,7 @@ use sweetspot::files::{self, Setting};
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::search::{SearchSpace, Watch, search};
 
-/// Number of layouts of each kind.
+/// Number of random layouts per cell, and number of plausible layouts per cell.
 const LAYOUTS: usize = 60;
 /// Least number of times that all layouts are evaluated; the median time is printed.
 const ROUNDS: usize = 5;

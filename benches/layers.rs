@@ -86,8 +86,7 @@ fn node(c: &mut Criterion) {
     }
 }
 
-/// Measures the readings at the node of the function `node`, in the sense xyz, which has three
-/// components.
+/// Measures the readings at the target of the function `node`. The sense is xyz, which has three components.
 ///
 /// For every branch, the first benchmark computes the value of the signed sample. The second benchmark
 /// computes the exact worst case and the covariance of the linear model. Further benchmarks compute the

@@ -1,1 +1,1 @@
-//! Benchmarks of sweetspot, one program per layer: `cargo bench --bench layers`.
+//! Benchmarks of sweetspot. Each program measures one subject: `cargo bench --bench inverse`, for example.

@@ -98,7 +98,7 @@ impl Data {
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
-    /// Prints, for every series except `without`, medians over the results. The figures are the mean error of
+    /// Prints medians over the results for every series except `without`. The figures are the mean error of
     /// the predictions, mm, and the share of positions inside the 95 % ellipsoids, percent. The least and the
     /// greatest share of all results follow in parentheses.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
@@ -126,8 +126,9 @@ impl Data {
             .collect()
     }
 
-    /// Returns the errors of the nominal arm, mm, at the postures of series A if the reflector is at
-    /// `positions` (frame of the instrument, m).
+    /// Returns the position errors of the nominal arm, mm, at the postures of series A. `positions` replaces
+    /// the measured positions of the series (frame of the instrument, m). Base and reflectors are fitted to
+    /// `positions`.
     fn nominal_errors(&self, positions: impl Iterator<Item = Vector3<f64>>) -> Vec<f64> {
         let a = &self.series[0];
         let measured: Vec<_> =

@@ -105,8 +105,8 @@ fn pairs<'py>(test: &Bound<'py, PyAny>) -> PyResult<Vec<Session<'py>>> {
 /// `sigma` is the standard deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured)
 /// that is not part of the fit.
 ///
-/// `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic
-/// errors of the revolute joints up to this order.
+/// `elastic` adds the deflection of the joints by the weight of the links. `harmonics` is the
+/// largest order of the periodic errors of the revolute joints; None adds no periodic errors.
 ///
 /// For several sessions with different frames of the instrument or different tools, `q` and `measured` are
 /// lists with one array per session. `test` may be a list of pairs (q, measured).

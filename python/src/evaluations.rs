@@ -13,7 +13,7 @@ use sweetspot::error_map::Outcome;
 use sweetspot::layout::Evaluation;
 use sweetspot::record::nine_digits;
 
-/// Figures of one layout in the unit of the objective, rounded as in the documents.
+/// Figures of one layout in the unit of the objective, rounded to 9 decimals as in the JSON documents.
 #[derive(Default)]
 pub struct Evaluated {
     pub cost: f64,

@@ -209,8 +209,8 @@ impl Evaluator {
     ///
     /// The weight w depends on the objective. For `sum`, w is the sum of the weights of the operations. For
     /// `max`, w is the largest of these weights. For `lexicographic`, w is 1. For `tolerance-cost`, w is the
-    /// cost of the tightest tolerances. For an error, the multiples of w are in m or rad, and are converted
-    /// to `unit`. If `unit` is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
+    /// cost of the tightest tolerances. If the objective is an error, the multiples of w are in m or rad, and
+    /// are converted to `unit`. If `unit` is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
     #[pyo3(signature = (layouts, *, units=false))]
     fn __call__<'py>(
         &self,

@@ -1,8 +1,8 @@
 //! Columns of the nodes of a map.
 //!
-//! The table has the columns of map.csv that have a value for at least one node. The columns of the refined
-//! spot are left out, because this spot is not a node. The figures in the sense of the operation itself have
-//! names without the sense: `p95_mm` beside `p95_xy_mm`.
+//! The table has the columns of map.csv that have a value for at least one node. The table leaves out the
+//! columns of the spot refined between the nodes, because this spot is not a node. The figures in the sense
+//! of the operation itself have names without the sense: `p95_mm` beside `p95_xy_mm`.
 
 use crate::table::table;
 use arrow_array::builder::{BooleanBuilder, PrimitiveBuilder, StringDictionaryBuilder};

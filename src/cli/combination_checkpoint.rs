@@ -1,8 +1,8 @@
 //! Checkpoint of the search of one combination of a sweep. Any worker can continue the search from this file.
 //!
 //! The file name begins with [`UNFINISHED`], so the file is removed together with the unfinished files of
-//! killed programs. The text of the file ends with its own hash. A file that is damaged or does not fit the
-//! search is ignored, and the search begins again.
+//! killed programs. The last key of the file, `sha256`, is the hash of the text before this key. A file that
+//! is damaged or does not fit the search is ignored, and the search begins again.
 
 use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading::{UNFINISHED, read_inside, replace};

@@ -10,7 +10,8 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// Number of owners that may die at one combination before the workers give up the combination.
+/// Limit of the number of workers that die while they process one combination. At this number, the other
+/// workers give up the combination.
 pub const MAX_LOSSES: u32 = 6;
 
 /// Number of leases for which other workers wait for the files of a combination that is reported as done. A
@@ -112,7 +113,8 @@ impl<'f> SharedWork<'f> {
         claim.map_or(Ok(()), |claim| claim.end(state, why))
     }
 
-    /// Returns the combinations that this worker has given up, because too many owners died at them.
+    /// Returns the combinations that this worker has given up, because too many workers died while they
+    /// processed them.
     pub fn given_up(&self) -> Vec<usize> {
         locked(&self.queue).given_up.clone()
     }

@@ -121,7 +121,7 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// All three motions are seen at one place, where the point is before the motion `self`.
+    /// `self`, `next` and the result are seen at one fixed place. The moved point starts at this place.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();

@@ -64,8 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. A damaged file of another
-    /// kind does not look like such a file.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Recognition does not
+    /// mistake a damaged file of another kind for one of these kinds.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }
@@ -88,7 +88,8 @@ impl FileContent {
         }
     }
 
-    /// Returns the next command or step for the file at `path`. The path must already be quoted for a shell.
+    /// Returns a help text that states what the user can do with the file at `path`. The path must already be
+    /// quoted for a shell.
     pub fn next_step(self, path: &str) -> String {
         let mesh = "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
         match self {

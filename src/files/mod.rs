@@ -146,8 +146,8 @@ pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }
 
-/// Returns the faults in the order of files and lines. A file that is named twice gives equal faults at one
-/// place; only one of them is listed.
+/// Returns the faults in the order of files and lines. If faults have the same place and message, the result
+/// contains only the first one. A file that is named twice can cause such faults.
 fn sorted(lib: &mut Library<'_>) -> Vec<Fault> {
     let mut faults = std::mem::take(&mut lib.faults);
     let order: HashMap<_, _> = lib.sources.iter().enumerate().map(|(i, s)| (&s.path, i)).collect();

@@ -24,7 +24,7 @@ const COMPONENTS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 /// Keys of the rows in `calibration.conf`.
 const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 
-/// Least magnitude of a number that is too large for a length (m) or angle (rad) of an arm.
+/// Magnitude at and above which a number cannot be a length (m) or an angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
 /// Largest number of lines of a file that states a calibration.

@@ -33,7 +33,8 @@ pub struct AllocationDocument {
     pub status: AllocationStatus,
     /// Cost of the tolerances in the error set.
     pub cost_before: f64,
-    /// Least cost found; null if the limits cannot be kept.
+    /// Cost of the tolerances that the allocation gives; null if infeasible. A final reduction of all
+    /// tolerances can increase this cost.
     pub cost: Option<f64>,
     /// Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to
     /// match the error model of the cell.
@@ -60,7 +61,7 @@ pub enum AllocationStatus {
     /// The tolerances meet all limits by the error model of the cell. `duality_gap` compares their cost with
     /// its lower bound. A final reduction of all tolerances can increase this gap.
     Cheapest,
-    /// A figure by the error model of the cell exceeds its limit, even after a final reduction of all
+    /// The error model of the cell gives a figure above its limit, even after a final reduction of all
     /// tolerances.
     Exceeded,
     /// Even the tightest tolerances exceed a limit.
@@ -133,7 +134,7 @@ pub struct AllocationRequirement {
     pub is_binding: bool,
     /// Decrease of the cost for each unit by which the limit is raised; null if infeasible.
     pub shadow_price: Option<f64>,
-    /// Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled.
+    /// Figure that Monte Carlo samples of the nonlinear model give; null if the node was not sampled.
     pub sampled: Option<f64>,
 }
 
@@ -169,8 +170,9 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess of a judged figure over its limit after the first round, percent. Negative if all
-    /// figures of the first round are below their limits.
+    /// Largest excess of a figure over its limit for the tolerances of the first round, percent. A round
+    /// solves the problem with linear figures, then judges the tolerances. Negative if all figures of the
+    /// first round are below their limits.
     pub missed_percent: f64,
     /// Index of the round that gave the solution; the first round has the index 0. Each round adapts the
     /// linear figures to the judged figures.
@@ -179,12 +181,14 @@ pub struct JudgementEntry {
     pub sampled_rounds: usize,
     /// Largest excess over a limit for the final tolerances, percent; negative if all limits are met.
     pub excess_percent: f64,
-    /// Number of cone programs that were solved for the last solution.
+    /// Number of cone programs, which are convex optimization problems, solved in the round that gave the
+    /// solution.
     pub programs: usize,
 }
 
 impl AllocationDocument {
-    /// Makes the document of a solved problem, or of limits that cannot be kept.
+    /// Makes the document of an allocation. `found` contains the tolerances, or the limits that even the
+    /// tightest tolerances exceed.
     pub fn new(
         problem: &CellAllocation<'_>,
         found: Result<&CheapestTolerances, &[ToleranceShortfall]>,

@@ -59,18 +59,19 @@ pub struct OperationBudget {
     pub monte_carlo: Option<MonteCarloEntry>,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are
-    /// not tolerances.
+    /// Gains from halving the tolerances of the parameters with the largest shares. Empty in the signed
+    /// reading if an error dr or dl of the sample exceeds the reach of the arm.
     pub tighten: Vec<TightenEntry>,
-    /// Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances.
+    /// Worst case of the linear model, in the unit of the sense. Null in the signed reading if an error dr or
+    /// dl of the sample exceeds the reach of the arm.
     pub linear_worst: Option<f64>,
-    /// Standard deviation of the linear model, in the unit of the sense. Null if the errors are not
-    /// tolerances.
+    /// Standard deviation of the linear model, in the unit of the sense. Null in the signed reading if an
+    /// error dr or dl of the sample exceeds the reach of the arm.
     pub linear_rms: Option<f64>,
 }
 
-/// Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null if
-/// the errors are not tolerances.
+/// Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
+/// the signed reading if an error dr or dl of the sample exceeds the reach of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {
@@ -101,9 +102,11 @@ pub struct ShareEntry {
     /// Linear error in the sense of the operation if this parameter is at its tolerance and all other
     /// parameters are 0.
     pub alone: f64,
-    /// Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances.
+    /// Share of the parameter in the linear worst case, from 0 to 1. Null in the signed reading if an error
+    /// dr or dl of the sample exceeds the reach of the arm.
     pub share_of_worst: Option<f64>,
-    /// Share of the parameter in the linear variance, from 0 to 1. Null if the errors are not tolerances.
+    /// Share of the parameter in the linear variance, from 0 to 1. Null in the signed reading if an error
+    /// dr or dl of the sample exceeds the reach of the arm.
     pub share_of_variance: Option<f64>,
 }
 

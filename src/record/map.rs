@@ -346,8 +346,8 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Sum over the straight moves, degrees: each move counts with the largest travel of a joint. The sum is
-    /// a measure of the transfer time.
+    /// Largest joint travel of each straight move, summed over all moves, degrees. The sum is a measure of
+    /// the transfer time.
     pub travel_deg: f64,
     /// Joint vectors along the motion, which is a straight line in joint space from each vector to the next.
     pub joints_deg: Vec<Vec<f64>>,

@@ -38,13 +38,14 @@ pub struct RegionEntry {
     pub ends_with: String,
 }
 
-/// Rotation of all pieces together about the base axis.
+/// Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
+/// carries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
     /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
-    /// Reason that limits the rotation at the nearer end of its range.
+    /// Reason that limits the rotation at the end of `turn_deg` that is nearer to 0.
     pub ends_with: String,
 }
 

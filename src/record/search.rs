@@ -79,8 +79,8 @@ pub struct SearchResult {
     /// or the reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
-    /// the search chooses a layout whose equipment can be displaced far. Null if no layout is feasible and
-    /// within every limit.
+    /// the search chooses one with nearly the most room. Null if no layout is feasible and within every
+    /// limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// One region for each piece that the search places. The piece may stand anywhere in its region.

@@ -18,7 +18,7 @@ pub struct ResolvedSettings {
     pub registration: Registration,
     pub operations: Vec<ResolvedOperation>,
     pub objective: Objective,
-    /// Relative difference up to which the lexicographic objective treats values as equally good.
+    /// Relative width of the steps of the lexicographic objective. Values in the same step count as equally good.
     pub indifference: f64,
     pub solver: Solver,
     pub seed: u64,

@@ -20,15 +20,15 @@ const REQUIRED: [&str; 3] = ["dr_mm", "dl_mm", "dalpha_deg"];
 
 /// Place of a parameter in the error set of a robot file.
 enum FilePlace {
-    /// Index into [`ROWS`], and number of the row from 0.
+    /// Index into [`ROWS`], and index of the row, counted from 0.
     Row(usize, usize),
     Base(usize),
     Tool(usize),
-    /// Number of the joint from 0, and component of its frame.
+    /// Index of the joint, counted from 0, and component of its frame.
     Joint(usize, usize),
-    /// Numbers from 0 of a joint and of a link that it carries.
+    /// Indices of a joint and of a link that this joint carries, counted from 0.
     Elastic(usize, usize),
-    /// Number of the joint from 0.
+    /// Index of the joint, counted from 0.
     Compliance(usize),
 }
 

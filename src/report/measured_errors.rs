@@ -155,8 +155,8 @@ fn scale(robot: &Robot, parameter: Parameter) -> f64 {
 
 /// Converts an unknown of the fit to a parameter of the robot file.
 ///
-/// The fit numbers standard rows. If the robot file has modified rows, the common normal of standard row `i`
-/// belongs to the modified row `i + 1`.
+/// The unknowns of the fit refer to standard D-H rows. If the robot file has modified rows, the common
+/// normal of standard row `i` belongs to the modified row `i + 1`.
 fn of_file(robot: &Robot, unknown: Unknown) -> Parameter {
     let shift = usize::from(robot.convention == Convention::Modified);
     match unknown {

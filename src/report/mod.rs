@@ -1,4 +1,4 @@
-//! Pure renderers from records to bytes, one per format.
+//! Conversion of records and drawings to the bytes or the text of files and pages, without input or output.
 
 pub mod allocated_table;
 pub mod chart;

@@ -239,6 +239,16 @@ fn a_cell_without_free_coordinates_is_evaluated_once() {
     }
 }
 
+#[test]
+fn a_fixed_layout_that_misses_a_limit_is_not_counted_as_feasible() {
+    for (limit, met) in [("1000", 1), ("0.001", 0)] {
+        let workcell = one_table("x_mm = 0, y_mm = 900, z_mm = 650", &format!("limit_mm = {limit}\n"));
+        let record = run(&workcell, settings(Solver::CmaEs, 600));
+        assert_eq!((record.ended, record.found()), (SearchEnd::NothingToSearch, true));
+        assert_eq!((record.feasible, record.least.is_some()), (met, met == 1), "{limit}");
+    }
+}
+
 /// Only the coordinate y of the table is free, within a range of 100 mm. Steps of 1 um enumerate every
 /// position.
 #[test]

@@ -79,7 +79,9 @@ class AllocationDocument(Record):
     cost_before: float
     """Cost of the tolerances in the error set."""
     cost: Optional[float]
-    """Least cost found; null if the limits cannot be kept."""
+    """Cost of the tolerances that the allocation gives; null if infeasible. A final reduction of all tolerances
+    can increase this cost.
+    """
     lower_bound: Optional[float]
     """Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to match
     the error model of the cell.
@@ -124,7 +126,7 @@ class AllocationRequirement(Record):
     shadow_price: Optional[float]
     """Decrease of the cost for each unit by which the limit is raised; null if infeasible."""
     sampled: Optional[float]
-    """Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled."""
+    """Figure that Monte Carlo samples of the nonlinear model give; null if the node was not sampled."""
 
 
 class AlternativeEntry(Record):
@@ -995,8 +997,9 @@ class JudgementEntry(Record):
     """Judgement of the tolerances by the error model of the cell."""
 
     missed_percent: float
-    """Largest excess of a judged figure over its limit after the first round, percent. Negative if all figures
-    of the first round are below their limits.
+    """Largest excess of a figure over its limit for the tolerances of the first round, percent. A round solves
+    the problem with linear figures, then judges the tolerances. Negative if all figures of the first round
+    are below their limits.
     """
     rounds: int
     """Index of the round that gave the solution; the first round has the index 0. Each round adapts the linear
@@ -1007,7 +1010,9 @@ class JudgementEntry(Record):
     excess_percent: float
     """Largest excess over a limit for the final tolerances, percent; negative if all limits are met."""
     programs: int
-    """Number of cone programs that were solved for the last solution."""
+    """Number of cone programs, which are convex optimization problems, solved in the round that gave the
+    solution.
+    """
 
 
 class LargestEntry(Record):
@@ -1354,13 +1359,17 @@ class OperationBudget(Record):
     parameters: Table[ShareEntry]
     """Shares of the parameters, the largest first."""
     tighten: Table[TightenEntry]
-    """Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are not
-    tolerances.
+    """Gains from halving the tolerances of the parameters with the largest shares. Empty in the signed reading
+    if an error dr or dl of the sample exceeds the reach of the arm.
     """
     linear_worst: Optional[float]
-    """Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances."""
+    """Worst case of the linear model, in the unit of the sense. Null in the signed reading if an error dr or dl
+    of the sample exceeds the reach of the arm.
+    """
     linear_rms: Optional[float]
-    """Standard deviation of the linear model, in the unit of the sense. Null if the errors are not tolerances."""
+    """Standard deviation of the linear model, in the unit of the sense. Null in the signed reading if an error
+    dr or dl of the sample exceeds the reach of the arm.
+    """
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -1432,9 +1441,9 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges. By lower bounds, "ranked-nodes" leaves out nodes, and "bounded-postures"
-    leaves out postures. By lower bounds, "spin-families" leaves out groups of postures that differ in the
-    last joint alone. "every-posture" leaves out none.
+    """Postures that the search judges. "ranked-nodes" leaves out nodes by lower bounds, and "bounded-postures"
+    leaves out postures by lower bounds. "spin-families" leaves out groups of postures that differ in the last
+    joint alone, by lower bounds. "every-posture" leaves out none.
     """
     why: Optional[str]
     """Reason why every posture is judged; null if lower bounds leave some postures out."""
@@ -1870,7 +1879,7 @@ class ResolvedSettings(Record):
     operations: Table[ResolvedOperation]
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     indifference: float
-    """Relative difference up to which the lexicographic objective treats values as equally good."""
+    """Relative width of the steps of the lexicographic objective. Values in the same step count as equally good."""
     solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
     seed: int
     budget: int
@@ -2113,8 +2122,7 @@ class SearchResult(Record):
     """
     least_value: Optional[float]
     """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
-    search chooses a layout whose equipment can be displaced far. Null if no layout is feasible and within
-    every limit.
+    search chooses one with nearly the most room. Null if no layout is feasible and within every limit.
     """
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
@@ -2240,9 +2248,13 @@ class ShareEntry(Record):
     are 0.
     """
     share_of_worst: Optional[float]
-    """Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances."""
+    """Share of the parameter in the linear worst case, from 0 to 1. Null in the signed reading if an error dr or
+    dl of the sample exceeds the reach of the arm.
+    """
     share_of_variance: Optional[float]
-    """Share of the parameter in the linear variance, from 0 to 1. Null if the errors are not tolerances."""
+    """Share of the parameter in the linear variance, from 0 to 1. Null in the signed reading if an error dr or
+    dl of the sample exceeds the reach of the arm.
+    """
 
     _nested = {
         'linear_term_mm': ('numbers', ''),
@@ -2684,8 +2696,8 @@ class ToolSheet(Record):
 
 
 class TotalEntry(Record):
-    """Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null if
-    the errors are not tolerances.
+    """Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
+    the signed reading if an error dr or dl of the sample exceeds the reach of the arm.
     """
 
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -2707,8 +2719,8 @@ class TransferEntry(Record):
     to: str
     way: str
     travel_deg: float
-    """Sum over the straight moves, degrees: each move counts with the largest travel of a joint. The sum is a
-    measure of the transfer time.
+    """Largest joint travel of each straight move, summed over all moves, degrees. The sum is a measure of the
+    transfer time.
     """
     joints_deg: List[List[float]]
     """Joint vectors along the motion, which is a straight line in joint space from each vector to the next."""
@@ -2726,12 +2738,14 @@ class TriedEntry(Record):
 
 
 class TurnEntry(Record):
-    """Rotation of all pieces together about the base axis."""
+    """Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
+    carries.
+    """
 
     turn_deg: _Numbers
     """Least and greatest angle of the rotation."""
     ends_with: str
-    """Reason that limits the rotation at the nearer end of its range."""
+    """Reason that limits the rotation at the end of `turn_deg` that is nearer to 0."""
 
     _nested = {
         'turn_deg': ('numbers', ''),

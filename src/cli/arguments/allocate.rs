@@ -17,7 +17,7 @@ pub struct AllocateArguments {
     /// Consider only this operation [default: all operations with a limit]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// Node of the grid: `best` (the node of least error), or two indices I,J along x and y, counted from 0
     /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,

@@ -18,7 +18,7 @@ pub enum TargetFrame {
 
 #[derive(Args)]
 pub struct CorrectArguments {
-    /// Cell file (TOML), or a result folder of `search`, whose best layout is corrected
+    /// Cell file (TOML), or a result folder of `search`, whose best layout is used
     #[arg(value_name = "RESULT|CELL")]
     pub of: PathBuf,
     /// Correct only this operation [default: all operations; with --targets, the first operation]

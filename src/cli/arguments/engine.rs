@@ -20,7 +20,7 @@ pub enum ChunkSize {
 #[derive(Args, Default)]
 pub struct EngineFlags {
     /// Seconds without a sign of life (heartbeat) of this worker, after which other workers take over its
-    /// combinations or islands
+    /// combinations (sweep) or islands (search)
     #[arg(
         long,
         value_name = "LEASE",
@@ -29,17 +29,19 @@ pub struct EngineFlags {
         requires = "shared"
     )]
     pub lease: u16,
-    /// Submit the combinations or islands to this batch system, wait for them, and write the result
+    /// Submit the combinations (sweep) or islands (search) to this batch system, wait for them, and write the
+    /// result
     #[arg(long, value_name = "ENGINE")]
     pub on: Option<BatchEngine>,
     /// Partition of the cluster [default: the partition that the cluster chooses]
     #[arg(long, value_name = "NAME", value_parser = partition, requires = "on")]
     pub partition: Option<String>,
-    /// Number of cores per task; a task processes this many combinations or islands in parallel
+    /// Number of cores per task; a task processes this many combinations (sweep) or islands (search) in
+    /// parallel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
     pub cpus: u16,
-    /// Number of combinations or islands per task; auto measures their time, and makes tasks of about a
-    /// minute
+    /// Number of combinations (sweep) or islands (search) per task; auto measures their time, and makes tasks
+    /// of about a minute
     #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
     pub chunk: ChunkSize,
     /// Largest number of tasks of an array job

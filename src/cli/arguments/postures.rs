@@ -16,7 +16,7 @@ pub struct BudgetArguments {
     /// Show only this operation [default: all operations]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// Node of the grid: `best` (the node of least error), or two indices I,J along x and y, counted from 0
     /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
@@ -36,7 +36,7 @@ pub struct ExplainArguments {
     /// Show this operation [default: the first operation]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// Node of the grid: `best` (the node of least error), or two indices I,J along x and y, counted from 0
     /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,

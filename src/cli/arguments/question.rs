@@ -47,8 +47,8 @@ pub struct QuestionFlags {
     pub registration: Option<String>,
 }
 
-/// Returns the setting of the flag `--NAME`, where NAME is `name`: the key `path` is set to the text `value`.
-/// Returns None if `value` is None.
+/// Returns the setting of a flag, which gives the key `path` the text `value`. Returns None if `value` is
+/// None. The argument `name` is the name of the flag without `--`.
 pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
 }

@@ -115,8 +115,8 @@ pub struct StoppingFlags {
     pub time: Option<f64>,
 }
 
-/// Returns the setting of the flag `--NAME`, where NAME is `name`: the key `path` is set to the whole number
-/// `value`. Returns None if `value` is None.
+/// Returns the setting of a flag, which gives the key `path` the whole number `value`. Returns None if
+/// `value` is None. The argument `name` is the name of the flag without `--`.
 pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, value.to_string()))
 }

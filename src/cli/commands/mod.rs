@@ -132,7 +132,7 @@ fn within_size(page: impl FnMut(&Detail) -> Result<String, String>) -> Result<St
     Ok(page.html)
 }
 
-/// Suggests the next command, with the flags of the packages that it needs.
+/// Suggests the next command, with the `--package` options of `packages`.
 fn suggest_with(command: &str, packages: &PackageFolders) {
     suggest(&format!("{command}{}", packages.words()));
 }

@@ -24,8 +24,8 @@ const OTHER_ARM: f64 = 0.02;
 /// angle is refused, because it probably belongs to another robot.
 const OTHER_TURN: f64 = 0.05;
 
-/// STL mesh that replaces every mesh of a URDF except OBJ meshes, because only the kinematics of the URDF is
-/// used.
+/// STL mesh that replaces every mesh of a URDF, except that [`OBJ`] replaces OBJ meshes. Only the kinematics
+/// of the URDF is used.
 const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n\
                    facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
                    facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n\
@@ -42,7 +42,8 @@ pub fn is_urdf(path: &Path) -> bool {
     has_extension(path, &["urdf"])
 }
 
-/// Returns whether a file states a calibration, as its extension shows. No errors are then fitted.
+/// Returns whether a file states a calibration, as its extension shows. `calibrate` fits no errors to such a
+/// file.
 pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
 }

@@ -21,7 +21,8 @@ use clarabel::solver::{
 /// Solver tolerance of a final solution: largest duality gap (relative and absolute) and constraint
 /// violation.
 pub const FINE: f64 = 1e-9;
-/// Solver tolerance of a solution that serves only to find cuts, for the same quantities as [`FINE`].
+/// Solver tolerance of a solution that serves only to find cuts: largest duality gap (relative and absolute)
+/// and constraint violation.
 pub const COARSE: f64 = 1e-5;
 
 /// Values that the tolerance scale of one parameter may take.

@@ -34,10 +34,10 @@ const RIDGE_GROWTH: f64 = 1000.0;
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
-/// Largest derivative of the dual at which a fine ascent ends, divided by the requested gap.
+/// A fine ascent ends when the largest derivative of the dual is at most this value times the requested gap.
 const FINE: f64 = 0.1;
-/// Largest relative violation of a limit that adds no sign pattern after a fine ascent, divided by the
-/// requested gap.
+/// Threshold of the relative violation of a limit after a fine ascent, as a multiple of the requested gap.
+/// Only a larger violation adds a sign pattern.
 const VIOLATION: f64 = 0.01;
 
 /// Cheapest scales of the tolerances, found by dual ascent.
@@ -127,10 +127,10 @@ pub fn priced_scales(
     None
 }
 
-/// Returns the least multiplier vector that enforces the constraint `cut` along one direction: the cheapest
-/// scales then keep the constraint. The scales `u` violate this constraint. The multipliers act along the
-/// direction of the error at `u`. The terms `others` stay unchanged. The result is None if the scales already
-/// keep the constraint.
+/// Returns the shortest multiplier vector with which the cheapest scales meet the limit of `cut` along one
+/// direction. The scales `u` violate this constraint. The multipliers act along the direction of the error
+/// at `u`. The terms `others` stay unchanged. The result is None if the cheapest scales meet this limit with
+/// the terms `others` alone.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],

@@ -22,9 +22,9 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Share of the largest ratio of figure to limit at the initial scales. If linear figures are kept as cuts,
-/// a requirement with at least this share gets a cut before the first solution. Otherwise every requirement
-/// gets a linear figure.
+/// A requirement gets a first cut if its ratio of figure to limit reaches this share of the largest ratio.
+/// Both ratios belong to the initial scales. This rule applies if linear figures are kept as cuts. Otherwise
+/// every requirement gets a linear figure.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;

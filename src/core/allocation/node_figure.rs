@@ -16,8 +16,8 @@ const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
-/// Consider normal errors of equal mean square in one, two and three directions. Above this probability,
-/// the error in one direction has the largest percentile.
+/// Suppose that three normal errors act in one, two and three directions, and have equal mean squared
+/// lengths. Above this probability, the length of the error in one direction has the largest percentile.
 const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.

@@ -210,7 +210,8 @@ impl<'a> CellAllocation<'a> {
         place.map_or(1.0, |place| scales[place])
     }
 
-    /// Calls `each` for the requirements with the indices `which` in a workcell, and collects the results.
+    /// Calls `each` for every requirement whose index is in `which`, and collects the results. The figures
+    /// that `each` receives belong to `workcell`.
     pub(super) fn visit<T>(
         &self,
         workcell: &Workcell,

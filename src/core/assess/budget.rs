@@ -13,8 +13,8 @@ const TIGHTENED: usize = 3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
-    /// Worst case or statistical quantity with the tolerances of [`Self::parameters`] halved, m, rad or a
-    /// share ([`BudgetReport::unit`]).
+    /// Worst case or statistical quantity after the tolerances of [`Self::parameters`] are halved. The unit
+    /// is [`BudgetReport::unit`]: m, rad or a share.
     pub figure: f64,
 }
 

@@ -248,7 +248,8 @@ impl<'a> Assessment<'a> {
     /// yield, whose definition already contains the limit.
     ///
     /// If the objective is the cost of tolerances, the limit in the result is not an error. This limit is the
-    /// cost of the tightest tolerances. If the cost of tolerances is only one of several goals, the result is
+    /// cost of the tightest tolerances. A greater cost means that even these tolerances exceed the limit.
+    /// If the cost of tolerances is only one of several goals, the result is
     /// None. The limits then apply to the errors at the chosen tolerances, not at the tolerances of the error
     /// set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
@@ -276,7 +277,7 @@ impl<'a> Assessment<'a> {
         Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
-    /// Returns whether every operation that has a limit and a spot stays within this limit.
+    /// Returns whether every operation with a limit and a spot certainly stays within this limit.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
@@ -297,14 +298,17 @@ impl<'a> Assessment<'a> {
     }
 }
 
-/// Largest allowed error of an operation, with the margin that is left, m or rad.
+/// Limit of an operation, with the margin that is left, m or rad.
+///
+/// If the objective is the cost of tolerances, limit and margin are costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
     pub limit: f64,
-    /// Limit minus the error of the operation under the reading; negative if the limit is exceeded.
+    /// Limit minus the error of the operation under the reading, or minus the cost of its tolerances. The
+    /// margin is negative if the limit is exceeded.
     ///
-    /// If the layout must withstand misplacements, the error is replaced by an upper bound over all
-    /// misplacements.
+    /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
+    /// The error stays if no such bound is known.
     pub margin: f64,
     /// Whether the margin is valid for all misplacements that the layout must withstand. If not, the margin
     /// refers to the nominal error, without misplacements.
@@ -312,7 +316,7 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Returns whether the error of the operation is at most the limit.
+    /// Returns whether the margin is not negative and [`Self::known`] is true.
     pub fn is_met(self) -> bool {
         self.known && self.margin >= 0.0
     }

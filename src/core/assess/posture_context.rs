@@ -209,7 +209,8 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
-/// Returns, in words, why a map has no best node, including any overlap that blocks the equipment.
+/// Returns, in words, why a map has no best node. If an overlap of the equipment blocks nodes, the text also
+/// describes this overlap.
 pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
     let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
     let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 const STEPS: usize = 100;
 /// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
-/// Smallest share of a step of Fisher's scoring by which the variances change.
+/// Smallest share of a step of Fisher's scoring that one iteration applies to the variances.
 const LEAST_SHARE: f64 = 0.1;
 /// Largest step, in prior standard deviations, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;

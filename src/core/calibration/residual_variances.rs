@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Largest number of variances.
 const MAX_VARIANCES: usize = MAX_JOINTS + 1;
-/// Expected standard deviation of a revolute joint if there are no data, rad.
+/// Expected standard deviation of the unexplained error of a revolute joint before the fit, rad.
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Standard deviation that sets the smallest variance of a joint, rad or m. The smallest variance is
 /// [`NEGLIGIBLE`] times the square of this value.
@@ -31,7 +31,8 @@ const FINEST_POSITION: f64 = 1e-6;
 const STEEPEST: f64 = 10.0;
 /// Share of a variance that counts as negligible.
 ///
-/// The relative change of a joint variance refers to this variance plus this share of the expected variance.
+/// The relative change of a joint variance is its change divided by `v + NEGLIGIBLE e`. Here `v` is the
+/// variance before the step, and `e` is the expected variance.
 /// The smallest variance is this share of the square of [`FINEST_JOINT`] or [`FINEST_POSITION`]. So the
 /// smallest standard deviation is about 0.03 times that constant.
 const NEGLIGIBLE: f64 = 1e-3;

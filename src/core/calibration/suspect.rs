@@ -6,12 +6,13 @@ use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Two postures count as different if the coordinates of a joint differ by more than this share of the range
-/// of the joint.
+/// Two postures count as different if a joint coordinate differs by more than this share of its measured
+/// range.
 const OTHER_POSTURE: f64 = 2e-3;
 
-/// Distance between two positions, as a share of the largest distance in the file, that exceeds the
-/// repeatability of any robot.
+/// A row with unchanged joints is suspect if its position changes by more than this share of the extent. The
+/// extent is the diagonal of the bounding box of all positions. The repeatability of any robot is below this
+/// threshold.
 const UNREPEATED: f64 = 5e-3;
 
 /// A joint counts as not moving if its coordinate varies by less than this value, rad or m.

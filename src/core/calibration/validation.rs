@@ -40,8 +40,8 @@ pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Resi
     residuals
 }
 
-/// Returns the index of the block of every position. The blocks have about equal numbers of positions; each
-/// cut is at the median of the joint coordinate with the greatest variance.
+/// Returns the index of the block of every position. The function repeatedly halves each block at the median
+/// of the joint coordinate with the greatest variance. So the blocks have about equal numbers of positions.
 ///
 /// Positions of different reflectors at one posture are in one block.
 fn blocks(measured: &[MeasuredPosition]) -> Vec<usize> {

@@ -297,9 +297,9 @@ impl SearchSettings {
 }
 
 impl SearchSettings {
-    /// Returns whether the search takes the cost of tolerances into account. If so, a limit constrains the
-    /// cheapest tolerances, which the search computes. The error at the tolerances of the error set may then
-    /// exceed the limit.
+    /// Returns whether the search takes the cost of tolerances into account. If so, the search computes
+    /// the cheapest tolerances with which every operation stays within its limit. The error at the
+    /// tolerances of the error set may then exceed the limit.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

@@ -32,8 +32,8 @@ pub enum Parameter {
     Base(usize),
     /// Component of the error of the tool frame (TCP), in the axes of that frame.
     Tool(usize),
-    /// Index of a joint, and component of the error of its joint frame ([`super::Robot::joint_frames`]), in
-    /// the axes of that frame.
+    /// Component of the error of a joint frame ([`super::Robot::joint_frames`]), in the axes of that frame.
+    /// The first index is the joint, and the second index is the component.
     ///
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
@@ -351,7 +351,7 @@ impl ErrorSet {
 
     /// Returns the means about which the parameters vary; None if they vary about 0.
     ///
-    /// A signed sample read as tolerances varies about 0.
+    /// If a signed sample is read as tolerances, its parameters vary about 0.
     pub fn mean(&self) -> Option<&SignedErrors> {
         if let ErrorSet::Measured(measured) = self { Some(&measured.mean) } else { None }
     }

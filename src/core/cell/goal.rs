@@ -23,7 +23,7 @@ pub enum Goal {
     Travel,
     /// Area of the convex hull of all floor spaces (robot base and equipment), m^2, minimized.
     Footprint,
-    /// Least time of the motions from operation to operation and of the operations themselves, s, minimized.
+    /// Cycle time, s, minimized: least time of the operations and of the motions between them.
     Time,
     /// Cost of the cheapest tolerances with which every operation stays within its limit, minimized.
     Cost,

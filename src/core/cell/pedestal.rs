@@ -20,7 +20,8 @@ impl Cell {
 
     /// Returns the pedestal of the highest base that the cell allows.
     ///
-    /// A lower base has the same pedestal, whose lower end is then below the floor.
+    /// This pedestal also serves every lower base in the collision check. The lower end of the pedestal is
+    /// then below the floor.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)
     }

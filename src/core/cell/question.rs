@@ -1,7 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
 //! [`Cell::faults_of`] checks every interpretation. An interpretation comes from a cell file, a command-line
-//! flag or the web page of `sweetspot view`. The rules are therefore stated only in this file.
+//! flag or the web page of `sweetspot view`. The rules for these three sources are stated only in this file.
 
 use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -150,10 +150,8 @@ impl Cell {
         if interpretation.is_yield() {
             let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
-                let message = format!(
-                    "`{}` has no limit, which the yield needs: the yield is the share of errors within the limit",
-                    operation.name
-                );
+                let message =
+                    format!("the quantity `yield` needs a limit, but `{}` has none", operation.name);
                 let word = interpretation.sense_of(operation).unit.word();
                 let help = format!("add limit_{word}, the largest allowed error");
                 faults.push(fault(About::Operation(k), message, &help));
@@ -193,8 +191,8 @@ impl Cell {
             refuse(About::Objective, "a robust search cannot minimize the cost of tolerances".into(), help);
         }
         if priced && !self.search.pareto.is_empty() {
-            let help = "use the goals `error` and `cost` with the objective `sum`";
-            refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
+            let help = "remove `pareto`, or use the objective `sum` with the goals `error` and `cost`";
+            refuse(About::Objective, "the objective `tolerance-cost` excludes `pareto`".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {

@@ -92,15 +92,18 @@ pub struct ValueBound {
     has_products: bool,
 }
 
-/// Small motion that one error source causes in the chain or at the equipment.
+/// Small motion that errors cause at one place in the chain or at the equipment.
+///
+/// Usually, one error source causes the motion. In the signed reading with a nonlinear or second-order model,
+/// the robot's errors together cause each motion in the chain. In that case, `source` equals `link`.
 #[derive(Debug, Clone, Copy)]
 struct SourceMotion {
     source: usize,
     /// Number of joints that precede the motion; None for a motion of the equipment.
     link: Option<usize>,
     turns: bool,
-    /// Size of the motion, rad or m. The reading decides which value the source has: its signed value, its
-    /// tolerance or its standard deviation.
+    /// Size of the motion, rad or m. The reading decides from which errors the size follows: signed values,
+    /// tolerances or standard deviations.
     size: f64,
 }
 

@@ -4,8 +4,8 @@
 //! measured between the solids without rounding. A capsule is replaced by its segment. The radii are then
 //! subtracted.
 //!
-//! parry3d gives the nearest points of two solids. An empty slab lies between two convex solids. Two planes
-//! perpendicular to the line through the nearest points bound the slab. The returned distance is the width of
+//! parry3d gives the nearest points of two solids. An empty slab lies between two convex solids. The faces of
+//! the slab are perpendicular to the line through the nearest points. The returned distance is the width of
 //! this slab, which never exceeds the true distance. For a mesh, the returned distance is the distance
 //! between the nearest points.
 
@@ -24,10 +24,9 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true distance.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Limit, m, of the required distance. A required distance is the clearance plus the displacement of the
-/// robot solid.
+/// Required distance, m, above which a mesh is checked by its bounding box instead of its triangles.
 ///
-/// Above this limit, a mesh is checked by its bounding box; below it, by its triangles.
+/// A required distance is the sum of the clearance, the displacement of the robot solid and [`ACCURACY`].
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
 /// Result of a distance query: the least distance, and the two solids at this distance.

@@ -24,7 +24,7 @@ pub(super) struct RobotSolid {
     pub(super) operation: Option<usize>,
     /// Index of the equipment that the held part may touch, if any.
     pub(super) may_touch: Option<usize>,
-    /// Solid enlarged by the clearance: one body, or the convex parts of a mesh.
+    /// Solid enlarged by the clearance plus [`TOUCHING`]: one body, or the convex parts of a mesh.
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,

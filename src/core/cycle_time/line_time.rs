@@ -9,7 +9,8 @@ use crate::robot::Chain;
 /// Largest distance along the line, m, at which two TCP positions count as the same point.
 const NO_LENGTH: f64 = 1e-9;
 
-/// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.
+/// Returns the least time, s, from rest to rest, of a straight line of the TCP through the joint vectors
+/// `knots`.
 ///
 /// The arm does not stop at the joint vectors between the ends. `speed` is the maximum speed of the TCP, m/s,
 /// which may be infinite.

@@ -34,8 +34,8 @@ struct Band {
 struct SampleLimits {
     bands: [Band; MAX_JOINTS],
     count: usize,
-    /// Greatest x = (ds/dt)^2 that the speed limits permit. This x also satisfies the acceleration limits of
-    /// the joints whose first derivative with respect to s is 0.
+    /// Greatest x = (ds/dt)^2 that the speed limits permit. This x also satisfies the acceleration limit of
+    /// every joint j with `q_j' = 0`.
     most: f64,
 }
 
@@ -62,8 +62,7 @@ impl SampleLimits {
         &self.bands[..self.count]
     }
 
-    /// Returns the greatest x = (ds/dt)^2 from which a step `step` of s can lead to an x between 0 and
-    /// `next`.
+    /// Returns the greatest x = (ds/dt)^2 that permits an x between 0 and `next` after s grows by `step`.
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;
@@ -83,7 +82,7 @@ impl SampleLimits {
         most
     }
 
-    /// Returns the greatest x = (ds/dt)^2 that a step `step` of s can reach from `x`.
+    /// Returns the greatest (ds/dt)^2 that can be reached from the value `x` while s grows by `step`.
     fn accelerated(&self, x: f64, step: f64) -> f64 {
         let most = self.bands().iter().map(|band| band.room - band.slope * x).fold(f64::INFINITY, f64::min);
         (x + 2.0 * step * most).max(0.0)

@@ -63,13 +63,14 @@ pub struct Detail {
     /// computed only under the model and reading of the cell.
     pub lenses: bool,
     pub envelopes: bool,
-    /// Largest number of nodes of an error map. A larger map keeps every second, third, ... node along both
-    /// axes.
+    /// Approximate upper limit of the number of nodes of an error map. A map with more nodes keeps every k-th
+    /// node along both axes. The stride k is the least integer for which the number of nodes divided by k^2
+    /// is within the limit.
     pub nodes: usize,
 }
 
 impl Detail {
-    /// Detail with every model and reading, envelopes, and at most 4000 nodes per error map.
+    /// Detail with every model and reading, envelopes, and about 4000 nodes per error map.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
     /// Detail with the model and reading of the cell alone, envelopes, and all nodes.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };

@@ -11,11 +11,11 @@ pub struct DrawnRegion {
     pub name: String,
     /// Closed outlines of the region at the height of the frame, m.
     pub rings: Vec<Vec<Vector3<f64>>>,
-    /// Largest distance, m, by which the piece may be displaced in plan ([`Region::room`]). None if the
-    /// search does not move the piece in plan.
+    /// Largest distance, m, by which the piece may be displaced in plan ([`Region::room`]). None if neither
+    /// x nor y may vary.
     pub room: Option<f64>,
-    /// Largest angle, rad, by which the piece may be rotated in both directions. None if the search does not
-    /// rotate the piece.
+    /// Largest angle, rad, by which the piece may be rotated in both directions ([`Region::turn`]). None if
+    /// the yaw may not vary.
     pub turn: Option<f64>,
 }
 

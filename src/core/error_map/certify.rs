@@ -172,8 +172,8 @@ impl OperationQuery<'_> {
     /// knot. The actual path follows the misplaced target. The via postures of the transfer rules do not
     /// follow the target. If `keeps_margin` is true, the distance from singular postures is also checked.
     ///
-    /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
-    /// neighbouring knots. Along any other move, the deviation is interpolated linearly.
+    /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation up to halfway to
+    /// each neighbouring knot. Along any other move, the deviation is interpolated linearly.
     fn deviations(
         &self,
         nominal: &Nominal,

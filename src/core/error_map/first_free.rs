@@ -16,8 +16,9 @@ use nalgebra::Vector3;
 /// Returns the largest number of uncertified candidates that the search tries before it gives up.
 ///
 /// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
-/// fast ([`Cost::Low`]). The limit is 16 candidates for such an arm and for an arm with numeric inverse
-/// kinematics. The limit is 256 candidates for all other arms.
+/// fast ([`Cost::Low`]). The limit is 16 candidates for such an arm. The limit is also 16 candidates for
+/// numeric inverse kinematics, which takes about a millisecond per target. The limit is 256 candidates
+/// for all other arms.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,

@@ -173,7 +173,7 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, memory| query.keeps_free(held, memory))
     }
 
-    /// Calls `ask` with the query of one operation and its memory in the workspace.
+    /// Calls `ask` with the query of one operation and with the memory of this operation in the workspace.
     fn asking<T>(
         &self,
         operation: usize,

@@ -18,9 +18,9 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances with which every operation stays within its limit. Returns None in the
-    /// cases of [`Self::joint_price`], or if a cost model has discrete grades. Also returns None if the dual
-    /// ascent (numeric search for the shadow prices) fails.
+    /// Returns the cheapest tolerances with which every operation stays within its limit. Returns None if
+    /// [`Self::joint_price`] returns None, or if a cost model has discrete grades. Also returns None if the
+    /// dual ascent (numeric search for the shadow prices) fails.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -30,8 +30,8 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None in the cases of
-    /// [`Self::joint_price`], or if the joint price exceeds `most`.
+    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None if
+    /// [`Self::joint_price`] returns None, or if the joint price exceeds `most`.
     ///
     /// The function first tries the tolerances `near` of a similar layout, reduced until they meet every
     /// limit.

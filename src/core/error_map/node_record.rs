@@ -32,8 +32,8 @@ pub enum Status {
         position: f64,
         angle: f64,
     },
-    /// Every posture exceeds a joint limit. `violation` is the least violation among all postures. `needs` is
-    /// the coordinate (rad or m) of the violating joint in the posture with this violation.
+    /// Every posture exceeds a joint limit. `violation` is the least violation among all postures. In the
+    /// posture with this violation, the joint beyond its limit has the coordinate `needs` (rad or m).
     JointLimit {
         violation: LimitViolation,
         needs: f64,

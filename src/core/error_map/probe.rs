@@ -130,9 +130,9 @@ impl<'a> Probe<'a> {
         moved.into_iter().flatten()
     }
 
-    /// Certifies a held posture if the layout demands it. Returns an upper bound of the value over all
-    /// misplacements. The bound is None if the layout demands no certificate, if `value` asks for no bound,
-    /// or if no bound is known.
+    /// Certifies a held posture if the layout demands certificates. Returns an upper bound of the value over
+    /// all misplacements. The bound is None if the layout demands no certificate, if `value` asks for no
+    /// bound, or if no bound is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified.

@@ -88,8 +88,9 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: computes a lower bound for each member, or each value if that takes no longer. A
-    /// single member is judged, or its bound is sharpened.
+    /// Opens a family: computes a lower bound for each member. If the values take no longer to compute than
+    /// the bounds, the function computes the values instead. A single member is judged, or its bound is
+    /// sharpened.
     ///
     /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
     /// the spot, and the first candidate ([`FirstFree::nearest`]) is already known.

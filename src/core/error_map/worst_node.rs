@@ -1,5 +1,6 @@
-//! Search for the worst node of an operation that happens at every node. For an operation with spin families
-//! (see `spin_families`), the search computes only bounds of the values of most other nodes.
+//! Search for the worst node of an operation that happens at every node. If the operation has spin families
+//! (see `spin_families`), the search excludes most nodes by bounds. The search then computes no values of
+//! these nodes.
 //!
 //! A node whose error is certainly below the greatest error found cannot be the worst node. For such a node,
 //! the search only needs a usable posture whose value has an upper bound below that error. The search tries
@@ -34,7 +35,8 @@ impl PlacedLayout<'_> {
         nodes.sort_by(|(_, a), (_, b)| b.norm_squared().total_cmp(&a.norm_squared()));
         let (mut missed, mut worst, mut failed) = (Vec::new(), None::<Spot>, None::<(usize, Outcome)>);
         for (node, target) in nodes {
-            // Only the first node that fails is reported. Nodes after it matter only if they cannot be reached.
+            // Only the first node that fails is reported. Nodes after it matter only if they cannot be
+            // reached.
             let is_before = failed.as_ref().is_none_or(|(first, _)| node < *first);
             let judged = match missed.is_empty() && is_before && query.context.is_ok() {
                 true => {

@@ -110,8 +110,9 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translational parameters that depend linearly on other parameters because successive joints
-/// are prismatic.
+/// Returns the translational parameters that depend linearly on other parameters at prismatic joints.
+///
+/// The function treats each run of successive prismatic joints as a whole. A run may be a single joint.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     // No link rotates within a run of prismatic joints, so the angles between the translations are the same
     // in every posture.

@@ -80,8 +80,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Cheapest tolerances of the layout. None if the objective is not a cost of tolerances, or in the cases
-    /// of [`PlacedLayout::nearby_price`].
+    /// Cheapest tolerances of the layout. None if the objective is not a cost of tolerances, or if
+    /// [`PlacedLayout::nearby_price`] returns None.
     price: Option<NearbyPrice>,
 }
 

@@ -40,9 +40,9 @@ impl Workcell {
     /// Returns up to `wanted` postures of a layout that can be measured, spread evenly over the joint space.
     ///
     /// Postures are points of a Halton sequence within the joint limits and the margins of the cell. The
-    /// seed chooses the part of the sequence. The position `reflector` is in the frame of the mechanical
-    /// interface, m. Without a sightline, every posture is visible. `progress` receives the number of
-    /// postures found.
+    /// number `seed` selects the first point of the sequence that is tried. The position `reflector` is in
+    /// the frame of the mechanical interface, m. If `sightline` is None, the reflector counts as visible in
+    /// every posture. `progress` receives the number of postures found.
     pub fn measurable_poses(
         &self,
         layout: &Layout,

@@ -9,7 +9,8 @@ use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 /// Such a layout ranks after every layout that is within its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Largest excess over a limit that counts, m or rad. A value without a known bound has this excess.
+/// Upper bound of the excess over a limit in a penalty, m or rad. For a cost of tolerances, the excess is a
+/// share of the cost of the tightest tolerances. A value without a known bound has this excess.
 const UNKNOWN_EXCESS: f64 = 10.0;
 
 /// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures).

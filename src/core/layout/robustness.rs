@@ -11,8 +11,8 @@
 //! - Worst corner: all corners of the tolerance box are checked if the box has at most 8 dimensions. For a
 //!   larger box, the corners of the box of each body are checked, while the other bodies are not misplaced.
 //!   The corner of the whole box that is worst to first order is also checked. A corner is called lost if the
-//!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body are
-//!   also checked, because this body may obstruct the robot.
+//!   posture cannot be used there, or if floor spaces overlap. The corners of the box of each body on which
+//!   the operation does not depend are also checked. Such a body may obstruct the robot.
 //! - Gradient: the derivatives are computed by central differences.
 //! - Largest allowed misplacement: the analysis finds three separate sizes. They are a multiple of the
 //!   tolerance box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor

@@ -70,7 +70,8 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
 /// Returns the triangles of a file that [`binary`] or [`plain`] has prepared.
 ///
 /// The function `place` locates a triangle, given by its index, for an error message. For a text file,
-/// `place` returns a line (counted from 0). For a binary file, `place` returns words.
+/// `place` returns a line (counted from 0). For a binary file, `place` returns a text with the number of the
+/// triangle.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,

@@ -36,12 +36,17 @@ pub struct PathSlack<'a> {
     ///
     /// The deviation during a move is at most the larger of the deviations at the two ends of the move.
     pub joints: &'a [JointVector],
-    /// Largest motion, m, of a piece of equipment relative to the robot base. The argument None denotes the
-    /// floor. Without this function, the equipment does not move.
+    /// Function that returns the largest motion, m, of equipment, fence or floor relative to the robot base.
+    ///
+    /// The argument is the index of the equipment. The index after the last piece of equipment denotes the
+    /// fence, and None denotes the floor. Without this function, equipment, fence and floor do not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
-    /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
-    /// [`Scene::bounding_spheres`]) and a piece of equipment. If the function returns None, the motions of
-    /// the robot solid and of the equipment are added.
+    /// Function that bounds the decrease of a distance, m, that the deviations of both solids cause.
+    ///
+    /// The first argument is a robot solid (an index into [`Scene::bounding_spheres`]). The second argument
+    /// is equipment or fence (an index as in [`Self::equipment`]). The check uses the bound, or the sum of
+    /// the deviations of the two solids if the sum is smaller. If the function returns None, the check uses
+    /// the sum.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
@@ -51,9 +56,10 @@ pub struct PathSlack<'a> {
 /// The robot must keep the clearance of the cell from equipment, fence and floor. Two solids of the robot
 /// must not touch, but need no clearance.
 ///
-/// The path consists of straight moves between the joint vectors `knots`, rad or m. The result None proves
-/// that there is no contact. A reported contact may also be a near miss that the check does not resolve
-/// ([`RESOLUTION`]).
+/// The path consists of straight moves between the joint vectors `knots`, rad or m. A path without a move is
+/// not checked, and the result is None. For any other path, None proves that no pair of [`Scene::pairs`]
+/// comes too near. The check of the robot base ([`Scene::base_hit`]) ignores `slack`. A reported contact may
+/// also be a near miss that the check does not resolve ([`RESOLUTION`]).
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,

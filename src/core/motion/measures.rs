@@ -56,7 +56,8 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
 
 /// Returns whether the [`singularity`] measure of a posture is at least `least`.
 ///
-/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This
+/// All singular values of a matrix J exceed s if the matrix `J^T J - s^2 I` is positive definite. Here s is
+/// `least`, and I is the identity matrix. For more than six moving joints, `J J^T` replaces `J^T J`. This
 /// test takes a tenth of the time of a singular value decomposition.
 pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
     let jacobian = scaled_jacobian(chain, frames, reach);
@@ -86,8 +87,9 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
     (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits))
 }
 
-/// Returns the joint displacements of least norm that come nearest to a motion of the TCP. The
-/// displacement in `motion` is divided by `reach`, like the position rows of the Jacobian.
+/// Returns the least-squares solution of the joint displacements for a motion of the TCP. If there are
+/// several solutions, the function returns the solution of least norm. The displacement in `motion` is
+/// divided by `reach`, like the position rows of the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
 /// decomposition. It uses this decomposition only for a nearly singular posture or for more than six moving

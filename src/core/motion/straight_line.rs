@@ -33,7 +33,7 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 /// Reason why the TCP cannot follow a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stopped {
-    /// The joint `joint` exceeds its limit after the length `after` of the line, m.
+    /// The joint `joint` is beyond its limit at the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
     /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach beyond this
     /// length, or the arm is singular.
@@ -47,7 +47,9 @@ pub enum Stopped {
 /// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Returns the length of the line that the arm can follow, and the reason why the line ends there.
+/// Returns the reason why the arm cannot follow the whole line, with a length of the line. For
+/// [`Stopped::Lost`], this is the length that the arm can follow. For [`Stopped::Limit`], a joint
+/// exceeds its limit within the last move before this length.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,

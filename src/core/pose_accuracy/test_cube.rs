@@ -45,8 +45,8 @@ impl TestCube {
     ///
     /// The corners of the cube and the five poses are reachable within the joint limits with one orientation
     /// of the tool. The cube is beside the robot base. If a cube of this size fits at several centres, the
-    /// centre nearest to their mean is chosen. A cube of a size in the standard is preferred to any smaller
-    /// cube. Among standard sizes, a cube above the base plane is preferred even to a larger cube that
+    /// centre nearest to their mean is chosen. All sizes of the standard are tried before any smaller
+    /// size. Among standard sizes, a cube above the base plane is preferred even to a larger cube that
     /// extends below it. The same rule applies among the smaller sizes.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };

@@ -24,7 +24,8 @@ use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// Largest number of joints for which the bound of the worst case includes the errors before the first joint.
-/// For an arm with more joints, a coordinate of the first joint would need too many boxes.
+/// To include these errors, the search needs a coordinate of the first joint. For an arm with more joints,
+/// this coordinate would need too many boxes.
 const MAX_JOINTS_OF_WORST_CASE: usize = 6;
 
 /// Isotropic errors that stand for the errors before a first joint with a vertical axis.

@@ -150,7 +150,8 @@ pub struct OperationBound {
     pub value: Result<f64, WhyNot>,
     /// Number of boxes of joint coordinates that were examined.
     pub boxes: u64,
-    /// Least value found in the relaxed problem, with the joint coordinates of the posture that has it.
+    /// Least value found in the relaxed problem, with the joint coordinates of the posture that gives this
+    /// value.
     pub witness: Option<(f64, JointVector)>,
 }
 

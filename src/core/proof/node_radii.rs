@@ -9,8 +9,8 @@
 //!
 //! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single
 //! nodes are computed for intervals of height and radius. The lengths of these intervals are halves,
-//! quarters, ... of the whole ranges. The bounds are kept for other placement cells (ranges of height, rho
-//! and phi).
+//! quarters, ... of the whole ranges. The search keeps these bounds and reuses them for other placement cells
+//! (ranges of height, rho and phi).
 
 use super::branch_and_bound;
 use super::region::OperationRegion;
@@ -85,8 +85,8 @@ struct NodeRadii<'a> {
     stop: &'a AtomicBool,
 }
 
-/// Returns a lower bound of the combined value of all nodes of an operation, and the number of boxes that the search
-/// examined. `start` is the bound of a single node. `known` is a known combined value, or infinity.
+/// Returns a lower bound of the combined value of all nodes of an operation, and the number of boxes that the
+/// search examined. `start` is the bound of a single node. `known` is a known combined value, or infinity.
 ///
 /// Returns None if the operation happens at one node, or if the radius of a node cannot be limited.
 pub(super) fn least_of_all_nodes(
@@ -115,8 +115,8 @@ pub(super) fn least_of_all_nodes(
 }
 
 impl NodeRadii<'_> {
-    /// Returns a lower bound of the combined value over all placements. The search ends when the bound reaches
-    /// `enough`.
+    /// Returns a lower bound of the combined value over all placements. The search ends when the bound
+    /// reaches `enough`.
     fn least(&mut self, start: f64, enough: f64) -> f64 {
         let farthest = self.nodes.iter().map(|node| node.0).fold(0.0, f64::max);
         let finest = 2.0 * farthest / MAX_PARTS;

@@ -72,7 +72,7 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// Paints the parts of a line from `a` to `b` that no surface drawn so far hides. `width` is in
+    /// Paints a line from `a` to `b`, except where a surface drawn so far hides the line. `width` is in
     /// samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);

@@ -9,13 +9,13 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Step of the scan between the samples, in steps of the lattice that [`HeldJoint::LATTICE`] describes.
+/// Distance between neighbouring values of the scan, in lattice steps (see [`HeldJoint::LATTICE`]).
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Largest [`Gap::limits`] (rad, m or cosine) of a scanned joint value around which the search continues.
+/// The search skips scanned joint values with a [`Gap::limits`] (rad, m or cosine) above this value.
 ///
 /// A larger violation is not expected to vanish within one step of the scan.
 const HOPELESS: f64 = 0.5;
@@ -73,8 +73,9 @@ impl HeldTarget<'_> {
         (least, any)
     }
 
-    /// Searches for a usable posture at the lattice numbers around `best`, in the direction of decreasing
-    /// [`Gap`]. Returns the least gap, and whether a usable posture was found.
+    /// Searches for a usable posture around the joint value with the lattice number `best` (see
+    /// [`HeldSample::number`]). The search moves towards smaller gaps. Returns the least gap, and whether a
+    /// usable posture was found.
     ///
     /// `least` is the gap at `best`. The gaps one scan step below and one scan step above `best` must not be
     /// smaller than `least`.

@@ -39,8 +39,8 @@ pub enum Cost {
     Middle,
     /// Redundant arm with a closed form: about a microsecond for each attitude at each sampled joint value.
     ///
-    /// Other solvers of this class take tens of microseconds per attitude. They scan one joint, refine a
-    /// closed form, or eliminate variables for six axes.
+    /// Other solvers of this class take tens of microseconds per attitude. Such a solver scans one joint,
+    /// refines a closed form, or eliminates variables (`general_six_axes`).
     High,
     /// About a millisecond per target, because the solver is numeric.
     Numeric,

@@ -1,4 +1,4 @@
-//! Redundant arms whose first or last joint is held constant while a closed form solves the other joints.
+//! Redundant arms whose first or last joint is held constant while a [`PoseSolver`] solves the other joints.
 
 use super::pose_solver::PoseSolver;
 use crate::cell::{JointKind, JointVector};
@@ -6,8 +6,8 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use std::f64::consts::{PI, TAU};
 
-/// Redundancy resolution of one arm: one redundant joint is held at sampled values, and a closed form solves
-/// the other joints.
+/// Redundancy resolution of one arm. The redundant joint is held at sampled values, and a closed form or a
+/// refined closed form solves the other joints.
 #[derive(Debug, Clone)]
 pub(super) struct HeldJoint {
     /// Solver of the other joints.

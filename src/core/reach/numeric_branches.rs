@@ -82,8 +82,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the reason why a scan of one joint, or an elimination for six axes, finds no branch. The
-    /// numeric solver determines whether the position or only the attitude is out of reach.
+    /// Returns the reason why a scan of one joint, or the elimination of `general_six_axes`, finds no branch.
+    /// The numeric solver determines whether the position or only the attitude is out of reach.
     pub(super) fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         match self.numeric_branches(target, attitudes) {
             Reach::NotConverged { position, angle } if position.is_finite() => {

@@ -1,8 +1,8 @@
 //! Simplified copy of a chain: relations that nearly hold between neighbouring axes hold exactly in the copy.
 //!
 //! Each axis is treated as a line, with all joint coordinates at 0. The axes are processed from base to
-//! flange. Each axis is rotated and moved as little as possible. Each of these relations that nearly holds
-//! then holds exactly:
+//! flange. Each axis is rotated and moved as little as possible. If one of the following relations nearly
+//! holds, this change makes the relation exact:
 //!
 //! - The angle between the axis and the previous axis is a multiple of 90 degrees.
 //! - The axis intersects the previous axis.
@@ -132,8 +132,8 @@ impl Line {
     }
 }
 
-/// D-H row from a frame to the next axis after a shift of this axis. The vector `shift` (m) makes small
-/// values of l and r exactly 0.
+/// D-H row from a frame to the next axis, where this axis is already shifted by the vector `shift` (m). The
+/// shift makes small values of l and r exactly 0.
 struct SimpleRow {
     theta: f64,
     r: f64,

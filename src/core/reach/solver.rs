@@ -1,7 +1,7 @@
 //! Choice of the inverse kinematics for a chain.
 //!
-//! The solvers are a closed form, a scan of one joint, a refined closed form, an elimination for six axes,
-//! and a numeric solver.
+//! Most solvers use a closed form, a scan of one joint, or a refined closed form. The other solvers are the
+//! elimination of `general_six_axes`, and a numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;
@@ -16,7 +16,8 @@ pub(super) enum ChainSolver {
     Planar(PlanarArm),
     /// Solver for a whole pose of the last D-H frame.
     Pose(PoseSolver),
-    /// Redundant arm: one joint is held constant, and a closed form solves the other joints.
+    /// Redundant arm: one joint is held constant, and a closed form or a refined closed form solves the
+    /// other joints.
     Redundant(Box<HeldJoint>),
     /// Iterative solver for any other chain.
     Numeric(Box<Numeric>),

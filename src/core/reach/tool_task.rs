@@ -110,7 +110,8 @@ fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
 
 /// Returns the index of the joint of a seven-axis arm that should stay fixed at this posture.
 ///
-/// The 6 x 6 Jacobian matrix without the column of this joint has the largest absolute determinant.
+/// The removal of one column from the 6 x 7 Jacobian matrix leaves a 6 x 6 matrix. The absolute determinant
+/// of this matrix is largest if the column of the returned joint is removed.
 ///
 /// This joint has the largest share in the self-motion of the arm.
 pub(super) fn best_held(chain: &Chain, frames: &Frames) -> usize {

@@ -12,8 +12,9 @@ use nalgebra::Vector6;
 /// error, the round tries pairs of signs. The search ends early if no pair increases the error either.
 const MAX_ROUNDS: usize = 12;
 
-/// Share of the linear worst case. A flip is always tried if it changes the linear error by no more than this
-/// share.
+/// Least threshold of the function `by_model`, as a share of the linear worst case.
+///
+/// The search tries a flip only if it changes the linear error by at most the threshold.
 const NEAR_SHARE: f64 = 0.02;
 
 /// Columns count as parallel if the sine of their angle is at most this value. The local search also flips
@@ -27,7 +28,8 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
 /// The sizes of the errors at these two corners differ only by terms of even order. If the sources have
-/// means, the mean also has a sign, and both starts are the same corner of the box. The search flips one sign
+/// means, the mean also has a sign. Signs with a negative sign of the mean stand for the reversed signs. Both
+/// starts are then the same corner of the box. The search flips one sign
 /// alone, the signs of all parallel columns together, or the signs of two columns. A column is the linear
 /// effect of one source or of the mean. A flip is tried only if it changes the linear error by no more than a
 /// threshold. The threshold is the largest of three values:
@@ -53,8 +55,8 @@ type Signs = [f64; MAX_SOURCES];
 /// increase the error. A combination is skipped if [`CornerModel::predict_combinations`] proves that another
 /// combination has a larger error. These predictions save time and do not change the result of the search.
 ///
-/// If `largest` is None, the search leaves out the mixed corners. The second part of the result is false if
-/// the search has left out mixed corners.
+/// If `largest` is None, the search leaves out the mixed corners. The returned `bool` is false if more than
+/// `MAX_FREE` sources are weak and `largest` is None.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -100,7 +102,8 @@ fn both(signs: Signs) -> [Signs; 2] {
 
 /// Returns, for every column, a bit set of the later columns that are parallel to it.
 ///
-/// The set of a column is empty if an earlier column is parallel to this column.
+/// A later column of zeros counts as parallel. The set is empty for a column of zeros, and for a column in
+/// the set of an earlier column.
 fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     let mut groups = [0; MAX_SOURCES];
     let mut taken = 0u128;
@@ -174,8 +177,8 @@ impl CornerSearch<'_, '_> {
         self.polish(SearchCorner::new(self.columns, start.error, start.signs));
     }
 
-    /// Flips single signs and groups of parallel columns, from the corner `start` on. If no such flip
-    /// increases the error, the search flips pairs of signs.
+    /// Starts at the corner `start`, and flips single signs and the signs of parallel columns together. If no
+    /// such flip increases the error, the search flips pairs of signs.
     fn polish(&mut self, start: SearchCorner) {
         let mut at = start;
         self.model.stand_at(&at.signs);

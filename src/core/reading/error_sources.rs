@@ -15,8 +15,10 @@ pub const MAX_SOURCES: usize = MAX_ERRORS + 2 * PER_FRAME;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
-    /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances. For an elastic
-    /// parameter, this value and the next three are in rad/m or rad/(N m).
+    /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances.
+    ///
+    /// For an elastic parameter, `signed`, `mean`, `plus_minus` and `deviation` are in rad/m or rad/(N m), or
+    /// dimensionless.
     pub signed: f64,
     /// Mean about which the parameter varies, m or rad.
     pub mean: f64,

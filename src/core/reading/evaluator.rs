@@ -215,7 +215,8 @@ impl ErrorEvaluator {
     }
 
     /// Returns whether rotations of the tool by the last joint leave the distribution of the TCP position
-    /// error unchanged. The errors after this joint may rotate with the tool.
+    /// error unchanged. The TCP displacement by errors after this joint must be isotropic about the tool
+    /// axis.
     fn has_isotropic_tool(&self) -> bool {
         self.reading == Reading::Statistical
             && self.sense.rows().iter().all(|row| !row.turns)

@@ -3,7 +3,9 @@
 use crate::cell::{Quantity, Reading};
 use crate::pose::Displacement;
 
-/// Error figures of one sense at one posture, m or rad; infinite if the errors are not tolerances.
+/// Error figures of one sense at one posture, m or rad.
+///
+/// If the errors are not tolerances, all figures except `error` are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// In the signed reading, the error of the signed sample. In the other readings, the error at the corner

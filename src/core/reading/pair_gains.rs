@@ -8,8 +8,8 @@
 //! |e + c_j + c_k|^2 - |e|^2 + 2 |e| M <= p_j + p_k + 2 |c_j| |c_k| + 2 |e| M,    p_k = 2 e . c_k + |c_k|^2
 //! ```
 //!
-//! This sum needs only a few numbers per sign. Replace each number of the sign k by its largest value over
-//! all signs. The right-hand side then bounds every pair that contains j.
+//! The right-hand side needs only a few numbers per sign. Replace each number of the sign k by its largest
+//! value over all signs. The right-hand side is then an upper bound for every pair that contains j.
 
 use super::MAX_SOURCES;
 use super::flip_prediction::PredictedFlip;

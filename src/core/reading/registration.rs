@@ -205,7 +205,7 @@ impl Taught {
 
 /// Returns the rigid motion that `rule`, applied repeatedly, finds in the displacements `left`.
 ///
-/// After each application, `undo` removes the motion found from the displacements. The iteration ends when
+/// After each application, `undo` removes the motion that this application found. The iteration ends when
 /// `rule` finds no further motion.
 fn exact<T>(
     mut left: T,

@@ -33,7 +33,7 @@ use crate::cell::{Cell, Coordinate, Layout};
 use crate::geometry::PlanePoint;
 use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
 
-/// Body that the search places: the robot base or a piece of equipment.
+/// Body that can have a region: the robot base or a piece of equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MovableBody {
     Base,
@@ -78,13 +78,15 @@ impl RoomEnd {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub body: MovableBody,
-    /// Closed rings in plan, m; a point is inside if it lies in an odd number of rings. If the search moves
-    /// the piece along only one axis, the ring is a line of two points. The list is empty if the search moves
-    /// the piece along neither axis.
+    /// Closed rings in plan, m; a point is inside if it lies in an odd number of rings. If only x or only y
+    /// may vary ([`Self::room`]), the ring is a line of two points. The list is empty if neither x nor y may
+    /// vary.
     pub rings: Vec<Vec<PlanePoint>>,
-    /// Range of z of the piece in the world frame, m.
+    /// Interval of z (world frame, m) around the found value in which the piece remains in its region. No
+    /// other coordinate changes.
     pub z: (f64, f64),
-    /// Range of the yaw of the piece in the world frame, rad.
+    /// Interval of the yaw (world frame, rad) around the found value in which the piece remains in its
+    /// region. No other coordinate changes.
     pub yaw: (f64, f64),
     /// Largest distance, m, by which the piece may be displaced in every direction in plan. If only x or only
     /// y may vary, only the two directions along this axis count. None if neither x nor y may vary.
@@ -92,10 +94,11 @@ pub struct Region {
     /// A coordinate may vary if it has a range of the search. In a cell without search variables, a
     /// coordinate with a placement tolerance may vary within a window.
     pub room: Option<f64>,
-    /// Largest angle, rad, by which the piece may be rotated in both directions; None if the search does not
-    /// rotate the piece.
+    /// Largest angle, rad, by which the piece may be rotated in both directions; None if the yaw may not vary
+    /// ([`Self::room`]).
     pub turn: Option<f64>,
-    /// Reason that limits [`Self::room`], or [`Self::turn`] if the search does not move the piece in plan.
+    /// Reason that limits [`Self::room`], or [`Self::turn`] if neither x nor y may vary. If only z may vary,
+    /// the value is [`RoomEnd::Range`].
     pub ended: RoomEnd,
     /// Width of the rim, m: a zone along the outline in which details of the region may be missed.
     pub rim: f64,
@@ -107,8 +110,8 @@ pub struct Regions {
     /// Regions of the pieces with a coordinate that the search varies over a range. A cell without search
     /// variables has a region for each piece with a placement tolerance.
     pub pieces: Vec<Region>,
-    /// Rotation of all pieces together about the base axis. None if the search does not vary x, y and yaw of
-    /// the equipment under an operation.
+    /// Rotation of all pieces together about the base axis. None if x, y or yaw of the equipment under an
+    /// operation has no range. In a stack of equipment, the ranges of the lowest piece count.
     pub whole: Option<WholeTurn>,
 }
 
@@ -154,7 +157,7 @@ pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut Hel
     room
 }
 
-/// Returns whether the search displaces any body in plan.
+/// Returns whether x or y of the robot base or of any equipment has a range. A list of values does not count.
 pub fn can_move(cell: &Cell) -> bool {
     let in_plan = |c: &[Coordinate; 4]| c[..2].iter().any(|c| matches!(c, Coordinate::Range { .. }));
     in_plan(&cell.base) || cell.equipment.iter().any(|e| in_plan(&e.placement))

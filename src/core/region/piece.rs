@@ -19,8 +19,8 @@ const MAX_STEPS: f64 = 10_000.0;
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Room, m, below which the room counts as 0. To find what limits a room, the piece is displaced farther than
-/// the room by at least this distance.
+/// Threshold of the room, m. A room up to this value counts as 0. To find what limits a room, the piece is
+/// displaced farther than the room by at least this distance.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;

@@ -1,8 +1,10 @@
-//! Rotation of all pieces together about the base axis.
+//! Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
+//! carries.
 //!
-//! The error of a robot with a level base does not change with a rotation about its first axis. So a layout
-//! that is rotated as a whole about this axis keeps its errors. A joint limit, an obstacle or the range of
-//! the search limits the rotation.
+//! The base axis is the vertical line through the origin of the robot base. The errors may change, for
+//! example if the base frame has an error. The objective grows by at most the indifference, and the layout
+//! stays feasible and within every limit. A joint limit, an obstacle or the range of the search may limit the
+//! rotation.
 
 use super::piece::Interval;
 use super::{RegionEffort, RoomEnd};
@@ -14,7 +16,7 @@ use std::f64::consts::PI;
 /// Tolerance for the rounding error of a coordinate, m and rad.
 const ROUNDING: f64 = 1e-9;
 
-/// Least and greatest angle by which all pieces of a layout may be rotated together about the base axis, rad.
+/// Least and greatest angle of the rotation about the base axis, rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeTurn {
     pub least: f64,

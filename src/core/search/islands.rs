@@ -128,8 +128,9 @@ fn trace(islands: &[Island]) -> Vec<(u64, f64)> {
     all
 }
 
-/// Returns the members of all fronts that no member of another front dominates, spread over the front. If
-/// several members are equal, the first of them is kept.
+/// Merges the fronts of all islands, and returns members that are spread over the merged front. The merged
+/// front holds the members that no other member dominates. If several members are equal, the first of them
+/// is kept.
 fn front<'i>(workcell: &Workcell, islands: &'i [Island]) -> Vec<&'i IslandLayout> {
     let settings = &workcell.cell.search;
     let space = SearchSpace::new(&workcell.cell);

@@ -130,18 +130,17 @@ pub fn search_job(
     let start = candidate(workcell, workcell.cell.start());
     let bound = job.bound;
     if space.dimensions() == 0 {
-        let feasible = u64::from(start.evaluation.objective.is_some());
+        let least = start.evaluation.objective.filter(|_| start.evaluation.is_accepted());
         let (best, ended, trace) = (start.clone(), SearchEnd::NothingToSearch, Vec::new());
         let asked = settings.keep > 0 || !settings.pareto.is_empty();
         let all = asked.then(|| alternative(workcell, start.layout.clone())).flatten();
         let alternatives = all.into_iter().collect();
-        let least = best.evaluation.objective;
         return SearchRecord {
             start,
             best,
             least,
             evaluations: 1,
-            feasible,
+            feasible: u64::from(least.is_some()),
             trace,
             bound,
             ended,

@@ -73,8 +73,8 @@ struct RoomState {
 ///
 /// `best` is the point with the least objective, `least`. `bound`, if given, is a further upper limit of the
 /// objective. The result is None if the cell requests an ideal layout or a Pareto search. The result is also
-/// None for an indifference of 0, and if no piece can move in plan. The result is also None if the observer
-/// stops the search.
+/// None for an indifference of 0, and if no piece can move in plan. The result is also None if no point is
+/// usable, or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -77,7 +77,7 @@ pub struct Stopping {
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
     /// Number of consecutive evaluations without improvement after which the polish begins. An improvement
-    /// counts if the cost falls by more than one millionth since the last improvement that counted.
+    /// counts if the cost falls by more than 1e-6 of the cost at the last counted improvement.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///

@@ -37,7 +37,8 @@ pub struct SpotRanking {
 }
 
 impl SpotRanking {
-    /// Groups the poses into spots whose positions differ by at most `distance` (m) along every axis.
+    /// Groups the poses into spots. In each spot, all command positions are within `distance` (m) of the
+    /// first one along every axis.
     ///
     /// The command position of a pose is either the nominal position of its reflector, or the nominal
     /// position of the TCP of the cell (`tcp`, base frame, m). The function uses the choice that gives fewer

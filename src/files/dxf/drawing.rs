@@ -80,8 +80,8 @@ fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     })
 }
 
-/// Returns an empty string, then the values of all group codes 0. If [`slice::split`] splits the pairs at
-/// group code 0, string k is the type of part k. The first part has no type.
+/// Returns an empty string, then the values of all group codes 0. The strings are the types of the parts that
+/// [`slice::split`] makes at group codes 0, in order. The first part has no type.
 fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }

@@ -31,7 +31,7 @@ key_table! {
     search, "search settings", "Settings of the search for a layout.", {
         SOLVER = word::<Solver>("solver", "Global solver that searches for the best layout.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "Objective: how the weighted errors of the operations are combined into one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
-        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Difference below which two values count as equal in the lexicographic objective.").default(Literal::Number(1.0));
+        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into fixed steps of this relative width: a later operation decides only if the earlier values lie in the same steps.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");

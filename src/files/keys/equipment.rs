@@ -73,7 +73,7 @@ key_table! {
     rules [Rule::AnyOf(&OBSTACLE_BODY), Rule::Excludes("plan", &BODY)];
     refused [
         Refused { name: "errors", message: "an obstacle has no `errors`", remedy: "make the obstacle an [equipment.NAME] if work is done on it, or remove the errors" },
-        Refused { name: "stands_on", message: "an obstacle stands still: it has no `stands_on`", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },
+        Refused { name: "stands_on", message: "an obstacle is fixed in the world: it has no `stands_on`", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },
         Refused { name: "placement_tolerance", message: "an obstacle has no `placement_tolerance`", remedy: "make the obstacle an [equipment.NAME] if it can be misplaced, or remove the tolerance" },
     ];
 }

@@ -15,7 +15,7 @@ pub const MAX_FAULTS: usize = 20;
 /// Largest number of reflectors of one table.
 const MAX_REFLECTORS: usize = 20;
 
-/// Least magnitude of a number that is too large for a joint coordinate or a position, in any unit.
+/// Magnitude at and above which a number cannot be a joint coordinate or a position, in any unit.
 const TOO_FAR: f64 = 1e9;
 
 /// Rows and reflectors of a table, with notes on the lines that were left out.

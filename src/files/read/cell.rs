@@ -196,7 +196,8 @@ fn read_error_choice(t: &mut Table) -> Option<usize> {
     found
 }
 
-/// Reads the equipment, then the obstacles. No two may have the same name.
+/// Reads the equipment, then the obstacles. Records a fault if an obstacle has the name of a piece of
+/// equipment.
 fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     let taken = t.get(&cell::EQUIPMENT);
     let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));

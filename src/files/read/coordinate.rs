@@ -35,7 +35,7 @@ fn read_range(node: &Node, key: &Key, t: &mut Table) -> Option<Coordinate> {
         let (low, high) = (plain(min), plain(max));
         if min >= max {
             let message = format!("range of `{name}` is empty: min {low} is not below max {high}");
-            t.error(t.at, message, "give the lower end as min, or write one number to fix it");
+            t.error(t.at, message, "give the lower end as min, or write one number for a fixed coordinate");
         } else if !(min..=max).contains(&start) {
             let message = format!("the start value {} of `{name}` is outside {low} to {high}", plain(start));
             t.error(start_at, message, "give a start value inside the range");

@@ -23,7 +23,7 @@ const DEFAULT_GRADES: std::ops::RangeInclusive<usize> = 5..=12;
 pub enum CostedUnit {
     Length,
     Angle,
-    /// Deflection of a joint, whose grades are given as scales.
+    /// Deflection of a joint under gravity. A grade of such a parameter states a scale, not a tolerance.
     Deflection,
 }
 
@@ -32,7 +32,7 @@ pub enum CostedUnit {
 pub struct CostedParameter {
     /// Name in the file; empty if the file cannot name the parameter.
     pub name: String,
-    /// Tolerance in SI units; 0 if the file states no tolerance, or a covariance instead.
+    /// Tolerance in SI units. The value is 0 if the file states no tolerance or states a covariance.
     pub plus_minus: f64,
     pub unit: CostedUnit,
 }
@@ -75,7 +75,11 @@ pub fn read_all(t: &mut Table, parameters: &[CostedParameter]) -> Option<Vec<Tol
     for entry in entries.into_iter().flatten() {
         let Some(places) = &entry.parameters else {
             if rest.is_some() {
-                t.error(entry.at, "two costs name no parameters", "add parameters = [...] to one of the two");
+                t.error(
+                    entry.at,
+                    "only one entry of `cost` may leave out `parameters`",
+                    "add parameters = [...]; the entry without this key applies to all other parameters",
+                );
             }
             rest = Some(entry);
             continue;

@@ -73,7 +73,12 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
         t.error(node.at, message, format!("write {name} = [{high}, {low}]"));
     } else if limits[0] == limits[1] {
         let message = format!("`{name}` leave no travel: both are {low}");
-        t.error(node.at, message, "remove this fixed axis, and include its offset in another row");
+        t.error(
+            node.at,
+            message,
+            "remove this row, and compute the adjacent rows and the tool without it; \
+             if it is row 1, use a URDF with a fixed joint",
+        );
     }
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }

@@ -218,7 +218,10 @@ fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<u
             (message, PICKED.to_string())
         }
         Some(k) if is_everywhere(&around.operations[k].2) => {
-            let message = format!("`{}` happens at every one of its nodes", shown(&other));
+            let message = format!(
+                "`relative_to` needs an operation with one spot, but `{}` happens at all its nodes",
+                shown(&other)
+            );
             (message, "name an operation with one spot, for example with over = \"best\"".to_string())
         }
         Some(k) => return Some(k),

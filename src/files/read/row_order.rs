@@ -22,7 +22,7 @@ impl ErrorRows<'_> {
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
     /// rotates about an axis. In the frame of joint 1, dl becomes the error x, and dbeta the error ry. In the
     /// base frame, dalpha becomes the error rx. The conversion is exact, because Tx and Rx commute. The
-    /// conversion adds to each of these two frames a rotation error about one axis only.
+    /// conversion adds only one rotation error to each frame: rx to the base, and ry to joint 1.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]

@@ -50,14 +50,13 @@ pub struct Derived {
     pub frames: Vec<Pose>,
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
-    /// Largest difference, m, between the tip poses of the rows and of the URDF over sampled postures. A
-    /// difference of orientation counts as the Frobenius norm of the difference of the rotation matrices, in
-    /// m. For a small angle, this is 1.4 m per rad.
+    /// Largest difference, m, between the tip poses of the rows and of the URDF over sampled postures. The
+    /// Frobenius norm of the difference of the rotation matrices counts as a length in m. For a small angle,
+    /// this is 1.4 m per rad.
     pub gap: f64,
 }
 
-/// The rows count as an exact copy of the URDF if their difference is below this value, m; see
-/// [`Derived::gap`].
+/// The rows count as an exact copy of the URDF if [`Derived::gap`] is below this value, m.
 pub const MAX_EXACT_GAP: f64 = 1e-12;
 
 /// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.
@@ -233,7 +232,8 @@ fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
 }
 
-/// Returns sine and cosine of an angle as the chain computes them, without rounding errors at right angles.
+/// Returns sine and cosine of an angle. Magnitudes below 1e-15 become 0, as for the twists of the kinematic
+/// chain.
 fn exact(angle: f64) -> (f64, f64) {
     let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
     (zero(angle.sin()), zero(angle.cos()))

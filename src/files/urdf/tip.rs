@@ -98,8 +98,8 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches are fingers: several branches are driven, or a joint in one of the branches
-/// mimics a joint in one of the branches. A driven branch has a moving joint that mimics no joint.
+/// Returns whether branches are fingers: several of them are driven, or one of their joints mimics another
+/// of their joints. A driven branch has a moving joint that mimics no joint.
 ///
 /// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {

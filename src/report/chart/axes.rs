@@ -38,8 +38,8 @@ impl AxisScale {
         self.px.0 + share * (self.px.1 - self.px.0)
     }
 
-    /// Returns round values on the axis, each with its label. A linear axis has about `about` values; a
-    /// logarithmic axis has powers of ten.
+    /// Returns round values on the axis, each with its label. A linear axis has approximately `about`
+    /// values; a logarithmic axis has powers of ten.
     pub fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
@@ -60,7 +60,7 @@ impl AxisScale {
     }
 }
 
-/// Returns 1, 2 or 5 times a power of ten: a step that divides a span into about `about` parts.
+/// Returns 1, 2 or 5 times a power of ten: a step that divides a span into approximately `about` parts.
 pub fn step(span: f64, about: f64) -> f64 {
     let apart = (span / about).max(f64::MIN_POSITIVE);
     let decade = 10f64.powf(apart.log10().floor());

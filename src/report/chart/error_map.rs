@@ -165,8 +165,8 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
     }
 
-    /// Returns the enlargement of the arrows: drawn length divided by the length of the error at the
-    /// picture's scale. The longest arrow has about the length [`LONGEST_ARROW`].
+    /// Returns the factor by which the arrows are longer than their errors at the scale of the picture.
+    /// The longest arrow has about the length [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
         let errors =
             self.a.maps.iter().flat_map(|map| map.usable().map(|(_, _, p)| drawn_error(self.a, map, p)));
@@ -262,7 +262,7 @@ fn thinning(map: &OperationMap) -> usize {
 /// Returns the error in x and y that the arrow of a node shows, m.
 ///
 /// A worst case or a statistic has no sign: the length of its arrow is the figure in the sense `xy`. The
-/// direction is the direction of the error at the worst corner of the tolerance box.
+/// arrow points in the direction of the error at the worst corner of the tolerance box.
 fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
     let (cell, error) = (a.cell, p.error.xy());
     let Some(sense) = map.sense("xy").filter(|_| !ErrorView::of(cell).is_signed()) else { return error };

@@ -13,7 +13,7 @@ use crate::units::{m_from_mm, mm_from_m, rounded};
 const REACH: [(Ink, &str); 4] =
     [(Ink::Blue, "7 3"), (Ink::Green, "2 3"), (Ink::Purple, "12 3 2 3"), (Ink::Orange, "14 5")];
 
-/// Longest scale bar, px.
+/// Greatest length of the scale bar, px.
 const MAX_BAR: f64 = 160.0;
 /// A value counts as zero if it is at most this share of the greatest value.
 const ROUNDING_SHARE: f64 = 1e-9;

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// Length that limits the margin of the plot from below, mm. The margin is 6 % of the longer side of the
+/// Length that determines the least margin of the plot, mm. The margin is 6 % of the longer side of the
 /// mapped area, but at least 6 % of this length.
 const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has no tooltips.

@@ -10,8 +10,8 @@ use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// Upper limit of the figures on the axis, as a multiple of the upper end of the histogram. Figures beyond
-/// this limit are named below the plot.
+/// Greatest marked value that the axis shows, as a multiple of the upper end of the histogram. Greater
+/// values are named below the plot.
 const AXIS_LIMIT: f64 = 1.7;
 
 /// Marked figure of the histogram: name, value in the unit of the chart, ink.

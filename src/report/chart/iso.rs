@@ -3,7 +3,8 @@
 //! A grid cell with values at all four corners consists of four triangles round its centre. The value at the
 //! centre is the mean of the four corners (the bilinear value). A grid cell with values at three corners is
 //! one triangle; a grid cell with fewer values is a hole. The field is linear in a triangle. A level
-//! therefore crosses a triangle in one straight line, and the centre value resolves a saddle.
+//! therefore crosses a triangle in one straight line. If only two opposite corners are above a level, the
+//! centre value decides whether their areas are connected.
 
 use crate::geometry::{PlanePoint, join_edges};
 

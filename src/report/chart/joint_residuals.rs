@@ -18,10 +18,12 @@ const LEAST: usize = 5;
 const LEFT: f64 = 56.0;
 const GAP: f64 = 70.0;
 const HEIGHT: f64 = 150.0;
-/// Inks of the tables, in their order; further tables begin with the first ink again.
+/// Inks of the dots, one for each table of measured positions. After the last ink, the first ink follows
+/// again.
 const INKS: [Ink; 5] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Purple, Ink::Vermilion];
 
-/// Dot of a panel: joint coordinate in degrees or mm, distance in mm, and the index of its table.
+/// Dot of a panel: joint coordinate in degrees or mm, distance in mm, and index of the table of measured
+/// positions.
 struct JointDot {
     coordinate: f64,
     distance: f64,

@@ -41,12 +41,13 @@ const LAYERS: [(&str, u16); 19] = [
     (VIEWPORT, 8),
 ];
 
-/// Least number of faces at which their layer is frozen, because drawing so many faces would be slow.
+/// Largest number of faces with which the layer of the faces is not frozen. CAD programs draw more faces
+/// slowly.
 const MANY_FACES: usize = 2000;
 
 /// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if
-/// they would be empty. The layers of the error components are frozen, because the resultant is enough at
-/// first.
+/// they would be empty. The layers of the error components are frozen, so the drawing shows only the
+/// resultant errors at first.
 pub fn used(drawing: &Drawing<'_>, faces: usize) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {

@@ -14,10 +14,11 @@ use std::fmt::Display;
 const HEADER: [&str; 3] =
     ["700 0 1 0", "@9 sweetspot @12 ACIS 32.0 NT @24 Thu Jan 01 00:00:00 2026", "1 1e-06 1e-10"];
 const END: &str = "End-of-ACIS-data";
-/// Number of the record of the face. The next two constants are the numbers of the plane and the first loop
-/// of the face.
+/// Number of the record of the face.
 const FACE: usize = 3;
+/// Number of the record of the plane of the face.
 const PLANE: usize = 4;
+/// Number of the record of the first loop of the face.
 const FIRST_LOOP: usize = 5;
 /// Number of records of each corner of a loop: coedge, edge, vertex, curve and point.
 const PER_CORNER: usize = 5;

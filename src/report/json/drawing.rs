@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Least time between two animation frames that are sent to the viewer, s. Frames at and after a stop, and
-/// the last frame, may follow sooner. The viewer interpolates between the frames.
+/// Least time between two animation frames that are sent to the viewer, s. The frame at a stop, the frame
+/// after it and the last frame are always sent. The viewer interpolates between the frames.
 const TICK: f64 = 0.099;
 /// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;

@@ -10,7 +10,7 @@ use crate::report::sheet::{Paper, PaperSheet, SheetNumber};
 
 /// Width of a picture, mm.
 const PICTURE: f64 = 150.0;
-/// Heights of the line above the footer and of its text, mm.
+/// Positions of the line above the footer and of the text of the footer, mm from the top of the page.
 const FOOTER: (f64, f64) = (283.0, 287.0);
 
 /// Returns the pages of the appendix without footers.

@@ -10,7 +10,7 @@ const FONT: f64 = 2.5;
 const SMALL: f64 = 2.0;
 /// Distance between two columns, mm.
 const GAP: f64 = 2.5;
-/// Distance of the lines of a cell as a multiple of the height of the font.
+/// Distance between successive lines of a table cell as a multiple of the height of the font.
 const LEADING: f64 = 1.35;
 /// Space above and below the text of a row, mm.
 const PADDING: f64 = 0.5;

@@ -12,9 +12,9 @@ const PAPERS: [Paper; 4] = [
     Paper::A3,
     Paper { name: "A3", width: 297.0, height: 420.0 },
 ];
-/// Margin at the left of the frame, with space for holes (ISO 5457), mm. The next constant is the margin at
-/// the other sides.
+/// Margin at the left of the frame, with space for holes (ISO 5457), mm.
 pub const FILING_MARGIN: f64 = 20.0;
+/// Margin at the other three sides of the frame (ISO 5457), mm.
 pub const MARGIN: f64 = 10.0;
 /// Width and height of the title block (ISO 7200), mm. The block is as wide as the frame of an upright A4.
 pub const BLOCK: (f64, f64) = (210.0 - FILING_MARGIN - MARGIN, 40.0);

@@ -37,8 +37,8 @@ pub struct BlockEntries<'a> {
     pub notes: Vec<String>,
 }
 
-/// Field of the title block: place, label and text. The place is left, top, width and height from the corner
-/// of the block, mm.
+/// Field of the title block: place, label and text. The numbers of the place are left and top, from
+/// the upper left corner of the block, then width and height, mm.
 pub type BlockField = ([f64; 4], &'static str, String);
 
 /// Returns the title of the drawings of a cell.

@@ -123,8 +123,8 @@ fn room(a: &Assessment<'_>) -> String {
 fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
-        "the whole cell may be rotated about the base axis by {least} to {most} deg with the same \
-        errors; limited by {}\n",
+        "the whole cell may be rotated about the base axis by {least} to {most} deg while the objective \
+        grows by at most the indifference; limited by {}\n",
         turn.ends_with
     )
 }

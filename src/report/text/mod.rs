@@ -129,8 +129,8 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Returns the line that replaces worst case and statistics if the errors compensate each other. The line
-/// states the reason.
+/// Returns the line that replaces worst case and statistics for a calibrated arm whose errors compensate each
+/// other. The line states the reason.
 pub fn no_tolerances() -> String {
     format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }

@@ -4,8 +4,8 @@ use std::ops::{Add, BitOr, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-/// Upper bound on the number of f64 lanes. A multiple of this number of nodes fills all lanes of every
-/// processor.
+/// Upper bound on the number of f64 lanes. If the number of nodes is a multiple of this bound, the nodes
+/// fill all lanes of every processor.
 pub const MAX_LANES: usize = 8;
 
 /// One number per node, in lanes.

@@ -29,8 +29,8 @@ pub struct PerturbedChain {
 #[derive(Debug, Clone, PartialEq)]
 struct ConstantMotion {
     pose: Pose,
-    /// Whether the rotation of the motion is about x alone. This holds for a link without the errors dtheta
-    /// and dbeta, if the next joint frame has no rotational error.
+    /// Whether the rotation of the motion is about x alone. This holds if theta and beta of the link and
+    /// the rotation of the next joint frame have no errors.
     twists: bool,
 }
 

@@ -17,7 +17,8 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::Vector3;
 
-/// Least absolute sine of the twists alpha_4 and alpha_5.
+/// Two wrist axes count as parallel if the absolute sine of their twist (alpha_4 or alpha_5) is below this
+/// value.
 const LEAST_SINE: f64 = 1e-3;
 
 /// Inverse kinematics of an arm with an offset wrist; lengths in m.

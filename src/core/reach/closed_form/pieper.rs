@@ -21,7 +21,7 @@ pub(in crate::reach) struct PointForms {
     /// Cosine and sine of theta_1 and of theta_2 while the coordinates of joints 1 and 2 are 0.
     pub zero: [Angle; 2],
     pub l1: f64,
-    /// Coordinate x of the point in a frame that results from frame 1 by a rotation by theta_2 about z.
+    /// Coordinate x of the point in frame 1 rotated by theta_2 about its z axis.
     pub u: Quadratic,
     /// Coordinate y of the point in the frame of `u`.
     pub v: Quadratic,

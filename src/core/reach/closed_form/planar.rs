@@ -128,7 +128,8 @@ impl PlanarArm {
         self.roll.is_some()
     }
 
-    /// Writes into `planar` the tool attitudes in the plane of the arm: one or two per elevation of `set`.
+    /// Writes the tool attitudes in the plane of the arm into `planar`. Each elevation of `set` gives one or
+    /// two attitudes.
     pub(in crate::reach) fn attitudes(&self, set: &AttitudeSet, planar: &mut Vec<PlanarAttitude>) {
         planar.clear();
         for &elevation in &set.elevations {

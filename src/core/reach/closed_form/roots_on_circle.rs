@@ -63,7 +63,7 @@ pub(super) struct CircleRoots {
 }
 
 impl CircleValues {
-    /// Values of an angle at which no function exists.
+    /// Result for an angle at which no function exists.
     pub const NONE: Self =
         Self { functions: [f64::NAN; COUNT], aside: [(0.0, 0.0); COUNT], gap: f64::INFINITY };
 }

@@ -99,7 +99,8 @@ impl ThreeJointPoint {
         (q.x.hypot(q.y), q.z)
     }
 
-    /// Returns an upper bound of the motion of the point (m/rad) if joints 2 and 3 rotate by equal angles.
+    /// Returns an upper bound of the distance (m) that the point moves per radian of joints 2 and 3. Both
+    /// joints rotate by the same angle.
     pub fn travel(&self) -> f64 {
         let [_, second, third] = &self.links;
         let about_third = third.l.hypot(third.sin_alpha * self.r4);

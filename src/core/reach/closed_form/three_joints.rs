@@ -260,8 +260,8 @@ impl ThreeJoints {
     }
 }
 
-/// Returns up to two rotations, and the number of valid rotations. A rotation turns the vector (u, v) so that
-/// its coordinates become `x` and `y`.
+/// Returns an array of two rotations, and the number of valid rotations: 0 to 2. A rotation turns the vector
+/// (u, v) so that its coordinates become `x` and `y`.
 ///
 /// A coordinate that is None is not prescribed.
 ///

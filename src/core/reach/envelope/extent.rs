@@ -3,8 +3,8 @@
 //! The lattice of the envelope gives sampled points. Compass searches from the best of these points find each
 //! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). A poll tests points in
 //! several directions, all at the polling distance. Each direction is rotated from the previous one by the
-//! golden angle. So some directions also point into a sharp tip of the envelope. The polling distance doubles
-//! after a gain, which is a poll that finds a better point.
+//! golden angle. The directions never repeat, so some of them point even into a sharp tip of the envelope.
+//! The polling distance doubles after a gain, which is a poll that finds a better point.
 
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;

@@ -24,10 +24,14 @@ const SHARED: usize = 4;
 /// Angle (rad) added to half of angle 3, so that the tangent of the sum is finite at 180 degrees.
 const HALF_ROTATION: f64 = 0.7;
 
-/// An eigenvalue counts as real if its imaginary part is below this share of its absolute value.
+/// An eigenvalue counts as real if its absolute imaginary part is below this share of its size.
+///
+/// The size is 1 plus the absolute value of the real part.
 const NEARLY_REAL: f64 = 0.1;
 
-/// Two eigenvalues count as equal if they differ by less than this share of their absolute value.
+/// Two eigenvalues count as equal if their real parts differ by less than this share of the later one's size.
+///
+/// [`NEARLY_REAL`] defines the size. The imaginary parts are not compared.
 const SAME_EIGENVALUE: f64 = 1e-4;
 
 /// Accuracy with which the eigenvalues are computed.
@@ -56,8 +60,8 @@ struct NullSpace {
 }
 
 impl NullSpace {
-    /// Returns the null space of twelve equations: the six equations, alone and times the tangent of half of
-    /// angle 3.
+    /// Returns the null space of twelve equations. These are the six equations, and the six equations times
+    /// the tangent of half of angle 3.
     fn new(equations: &HalfAngleRows) -> Self {
         let mut rows = [[0.0; 12]; 12];
         let (alone, times) = rows.split_at_mut(6);

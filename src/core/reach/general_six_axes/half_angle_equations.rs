@@ -17,8 +17,8 @@ pub(super) struct HalfAngleEquations {
 }
 
 impl HalfAngleEquations {
-    /// Returns the equations of six rows. A row has nine coefficients of 1, then nine of the cosine and nine
-    /// of the sine of angle 2.
+    /// Returns the equations of six rows. The first nine coefficients of a row multiply 1. The next nine
+    /// multiply the cosine of angle 2, and the last nine multiply the sine.
     ///
     /// Every row is scaled to the norm 1.
     pub fn new(mut rows: [[f64; 27]; 6]) -> Self {
@@ -43,8 +43,8 @@ impl HalfAngleEquations {
         rows
     }
 
-    /// Returns the determinant of twelve rows: the six equations, alone and times the tangent of half of
-    /// angle 3.
+    /// Returns the determinant of twelve rows. These are the six equations, and the six equations times the
+    /// tangent of half of angle 3.
     ///
     /// Both sets of six equations have the same coefficients, shifted by three columns. So both sets share
     /// the elimination of three columns. This elimination leaves the rows `[A0 A1 A2]` and `[0 B1 B2]` of

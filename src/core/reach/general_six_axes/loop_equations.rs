@@ -15,8 +15,8 @@ const NEARLY_DEPENDENT: f64 = 1e-12;
 /// Axis of joint 5 of the loop, as a function of the angles 2, 3 and 4. The coordinates are in the frame
 /// after the rotation of joint 1.
 ///
-/// The terms are coefficients of 1, of the cosine and of the sine of angle 2. There is one term for each of
-/// the nine products of half-angle terms of the angles 3 and 4.
+/// The field `terms` holds 3 x 9 coefficients. The first index stands for 1, cosine and sine of angle 2. The
+/// second index stands for the nine products of half-angle terms of the angles 3 and 4.
 #[derive(Clone, Debug)]
 pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],
@@ -62,8 +62,9 @@ impl OuterSide {
     /// 1 and 5.
     ///
     /// Six of the 14 equations do not contain angle 1. The elimination of cosine and sine of angle 0 leaves
-    /// four of these six. The other eight equations contain cosine and sine of angle 1, alone and times
-    /// cosine and sine of angle 0. The elimination of these six products leaves two equations.
+    /// four of these six. The other eight equations contain six products of two factors. The first factor is
+    /// cosine or sine of angle 1. The second factor is 1, or cosine or sine of angle 0. The elimination of
+    /// these six products leaves two equations.
     pub fn without_outer_angles(&self, inner: &InnerSide) -> HalfAngleEquations {
         let mut first = self.first_six(inner);
         let mut others = self.other_eight(inner);
@@ -79,8 +80,8 @@ impl OuterSide {
         HalfAngleEquations::new(rows)
     }
 
-    /// Returns the six equations without angle 1: columns of cosine and sine of angle 0, then 27 inner
-    /// columns.
+    /// Returns the six equations without angle 1. The first two columns belong to cosine and sine of angle 0.
+    /// The other 27 columns belong to the terms of [`InnerSide`].
     fn first_six(&self, inner: &InnerSide) -> [[f64; 29]; 6] {
         let [one, cos, sin] = self.terms.map(|term| term.invariants());
         let mut rows = [[0.0; 29]; 6];
@@ -96,8 +97,8 @@ impl OuterSide {
         rows
     }
 
-    /// Returns the eight equations with angle 1: six columns of products of outer angles, then 27 inner
-    /// columns.
+    /// Returns the eight equations with angle 1. The first six columns belong to the six products that
+    /// [`Self::without_outer_angles`] eliminates. The other 27 columns belong to the terms of [`InnerSide`].
     fn other_eight(&self, inner: &InnerSide) -> [[f64; 33]; 8] {
         let mut rows = [[0.0; 33]; 8];
         for (k, term) in self.terms.iter().enumerate() {

@@ -23,10 +23,10 @@
 //!    leaves six equations (`loop_equations`). These equations are linear in 1, cosine and sine of t_2. They
 //!    are also linear in the nine products of `cc`, `cs`, `ss` of t_3 with `cc`, `cs`, `ss` of t_4. Here c
 //!    and s are cosine and sine of half an angle.
-//! 3. These equations, alone and times the tangent of half of t_3, are twelve linear equations for twelve
-//!    products. The determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
-//!    The coefficients come from 24 samples on the circle, which also show the rounding error
-//!    (`circle_polynomial`).
+//! 3. The products of these equations with the tangent of half of t_3 are six more equations. All twelve
+//!    equations are linear in twelve products. The determinant is a trigonometric polynomial of degree 8 in
+//!    t_2 (`half_angle_equations`). The coefficients come from 24 samples on the circle, which also show the
+//!    rounding error (`circle_polynomial`).
 //! 4. The real roots are isolated by bounds of the Taylor series (`polynomial_roots`).
 //! 5. At a root, the null space of the twelve equations gives t_3 and t_4 (`angle_pairs`). The eliminated
 //!    equations then give the other angles. Newton's method on the pose of the flange refines each solution,

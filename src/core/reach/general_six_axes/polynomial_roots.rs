@@ -59,12 +59,14 @@ impl TaylorSeries {
         Self { terms, rest: polynomial.sixth_derivative() * factor * half / 6.0 }
     }
 
-    /// Returns an upper bound of the absolute weighted sum of the terms, beginning with term `from`.
+    /// Returns an upper bound of the absolute value that a weighted sum of terms has in the interval.
     ///
-    /// The function `weight` returns the weight of a term.
+    /// The sum contains the terms from term `from` on, and the remainder as term 6. The function `weight`
+    /// returns the weight of a term.
     ///
-    /// If term n has the weight n, the bound applies to the first derivative. If the weight is n (n - 1) / 2,
-    /// the bound applies to half of the second derivative.
+    /// Let h be half the width of the interval. If term n has the weight n, the sum belongs to h times the
+    /// first derivative. If the weight is n (n - 1) / 2, the sum belongs to `h^2 / 2` times the second
+    /// derivative.
     #[inline]
     fn bound(&self, weight: fn(f64) -> f64, from: usize) -> f64 {
         let terms = self.terms.iter().enumerate().skip(from);

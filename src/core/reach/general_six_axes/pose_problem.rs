@@ -21,9 +21,10 @@ const SAME_JOINT: f64 = 1e-5;
 /// If every joint differs by less than this value, the start may lie between two nearby solutions.
 const NEAR_START: f64 = 0.2;
 
-/// Ratio of two joint changes: the largest in Newton's first step, and the largest from start to solution.
+/// Ratio of two joint changes (rad) above which Newton's first step overshoots the solution.
 ///
-/// Above this value, the first step overshoots the solution.
+/// The numerator is [`RefinedJoints::first_step`]. The denominator is the largest joint difference between
+/// start and solution.
 const OVERSHOOT: f64 = 1.05;
 
 /// Largest residual of the equations at a start of Newton's method.
@@ -46,7 +47,7 @@ const MAX_EXTENSION: f64 = 0.1;
 
 /// Upper limit, rad, of an angle a. The scale of a magnified polynomial is `tan(a)`.
 ///
-/// Up to this limit, the angle is a quarter of the width of the magnified interval.
+/// The angle a is the smaller of this limit and a quarter of the width of the magnified interval.
 const MAX_HALF_SPAN: f64 = 0.7;
 
 /// Largest absolute angle, as a share of pi, at which a root of a magnified polynomial is used.

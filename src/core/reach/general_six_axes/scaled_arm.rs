@@ -42,7 +42,9 @@ pub(super) struct ScaledArm {
 pub(super) struct RefinedJoints {
     /// Joint angles, rad.
     pub angles: [f64; 6],
-    /// Longest change of a joint in the first step, rad.
+    /// Largest joint change that the first Newton step requires, rad; 0 if no step is needed.
+    ///
+    /// The step itself can be smaller, because its largest joint change is limited to [`LONGEST_STEP`].
     pub first_step: f64,
 }
 

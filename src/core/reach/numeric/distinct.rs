@@ -21,7 +21,8 @@ const CONTINUUM_SPACING: f64 = 0.1;
 /// Solution of the numeric solver, and the start posture that leads to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSolution {
-    /// Index of the start posture. For a full descent, the total number of start postures is added.
+    /// Index of the start posture. For a full descent, the field is the sum of this index and the total
+    /// number of start postures.
     pub start: usize,
     /// Joint coordinates, rad or m.
     pub joints: JointVector,

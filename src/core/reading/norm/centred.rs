@@ -72,7 +72,8 @@ impl CentredBound {
     }
 
     /// Returns the square root of the largest eigenvalue of a covariance, and three samples at the eigenvalue
-    /// ratios. The samples are the next smaller sample, the interpolated value and the next greater sample.
+    /// ratios. The first and the third sample are at the next smaller and the next greater ratios. The second
+    /// is interpolated.
     ///
     /// If there is no table (RMS), returns the square root of the trace, and 1 for each sample. `moved` is
     /// added to both ratios.

@@ -5,7 +5,8 @@
 //! `six_k` and the effect `g_k` on `e`. Let `mu` be the mean and `S` the covariance of `e`. The parameter
 //! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of `e` at
 //! `t`. The transform is a mean over normal vectors `w ~ N(0, I)`: `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`.
-//! The normal part of `e` turns `w` into a normal vector of covariance `A^-1 = (I + 2 z S)^-1` and mean
+//! The density of `w` times the characteristic function of the normal part of `e` is `L` times a normal
+//! density. This normal density has the covariance `A^-1 = (I + 2 z S)^-1` and the mean
 //! `i sqrt(2z) A^-1 mu`. With `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`, the
 //! transform becomes
 //!

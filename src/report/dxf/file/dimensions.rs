@@ -1,6 +1,7 @@
 //! Linear and angular dimensions of a DXF file.
 //!
-//! AutoCAD reads an associative dimension; other programs draw the block of the dimension.
+//! AutoCAD reads the points of a dimension, and can edit the dimension. Other programs draw the block of the
+//! dimension.
 
 use super::{Codes, DxfFile, MODEL, STYLE};
 use crate::report::dxf::text::{safe, width};
@@ -8,7 +9,7 @@ use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Number of straight lines of an arc.
+/// Number of straight lines that approximate an arc.
 const ARC_LINES: usize = 24;
 
 impl DxfFile {
