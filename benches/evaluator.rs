@@ -23,8 +23,8 @@ const LAYOUTS: usize = 100_000;
 /// Number of times that all layouts are evaluated; the least time is printed.
 const ROUNDS: usize = 5;
 
-/// Primes whose square roots are the steps of the sequence of points of the unit cube (Richtmyer
-/// sequence).
+/// Primes for the Richtmyer sequence in the unit cube, one for each free coordinate. From point to
+/// point, a coordinate increases by the square root of its prime, modulo 1.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
 fn main() {

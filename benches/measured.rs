@@ -98,9 +98,9 @@ impl Data {
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
-    /// Prints medians over the results for every series except `without`. The figures are the mean error of
-    /// the predictions, mm, and the share of positions inside the 95 % ellipsoids, percent. The least and the
-    /// greatest share of all results follow in parentheses.
+    /// Prints the medians of two figures over all calibrations `results`, for every series except `without`.
+    /// The figures are the mean error of the predictions, mm, and the share of positions inside the 95 %
+    /// ellipsoids, percent. The least and the greatest share of all results follow in parentheses.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
         for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
             let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));
@@ -238,7 +238,7 @@ fn spearman(a: &[f64], b: &[f64]) -> f64 {
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
 
-/// Prints how well predicted errors rank the spots of series A by the errors that the tracker has measured.
+/// Prints how well predicted errors put the spots of series A in the order of their measured errors.
 /// The predictions come from calibrations with poses of series B, and from rules of thumb.
 fn rank(data: &Data) {
     let measured = data.of_spots(&data.nominal_errors(data.series[0].iter().map(|m| m.position)));

@@ -8,7 +8,7 @@ use sweetspot::cli::front_end::FileSnapshot;
 use sweetspot::files::toml_string;
 use sweetspot::report;
 
-/// File name of the text that adds the settings (`--set`) of a cell to its cell file.
+/// Name of a file that inherits from the cell file and contains the settings (`--set`) of a cell.
 const WITH_SETS: &str = ".with-settings.toml";
 
 /// Returns a name that none of the files has: `name`, if necessary with underscores before it.

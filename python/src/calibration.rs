@@ -15,7 +15,7 @@ use sweetspot::report::measured_errors;
 use sweetspot::robot::Chain;
 use sweetspot::units::m_from_mm;
 
-/// Array of numbers that Python passes, of any number of dimensions.
+/// Array of numbers from Python. The array may have any number of dimensions.
 type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
 /// Error set of a robot: the table `errors.NAME` of a robot file.
@@ -23,9 +23,9 @@ type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 #[derive(Clone)]
 pub struct Errors {
     pub name: String,
-    /// Table of the robot file.
+    /// Text of the table `errors.NAME` for a robot file.
     pub toml: String,
-    /// Table of the robot file, on one line.
+    /// Value of the key `errors.NAME` as TOML text on one line.
     pub inline: String,
 }
 

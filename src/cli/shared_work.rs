@@ -135,14 +135,14 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Newest claim of another worker to a combination, and the time for which this worker has seen no change of
-/// that claim.
+/// Newest claim of another worker to a combination, as this worker last read it.
 struct WatchedClaim {
     index: usize,
     number: u32,
     bytes: Option<Vec<u8>>,
     /// Time of the last check.
     seen: Instant,
+    /// Time for which this worker has seen no change of the claim.
     silent: Duration,
 }
 

@@ -33,8 +33,9 @@ pub enum ClaimState {
     Failed,
 }
 
-/// Content of a claim: one line of JSON. The owner rewrites the file in place, because a full disk prevents a
-/// new file, but not a heartbeat. Any text after the first line is the rest of an earlier, longer line.
+/// Content of a claim: one line of JSON. The owner rewrites the file in place. A heartbeat thus succeeds even
+/// if the disk is full and refuses a new file. Any text after the first line is the rest of an earlier,
+/// longer line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepClaim {
@@ -122,8 +123,8 @@ pub fn path(folder: &Path, index: usize, number: u32) -> PathBuf {
     folder.join(CLAIMS).join(format!("{index:04}-{number}"))
 }
 
-/// Reads a claim. Returns None if the claim does not exist or cannot be read now. Opening a file asks the
-/// server of a network share, so that a cached copy does not hide a heartbeat.
+/// Reads a claim. Returns None if the claim does not exist or cannot be read now. Each call opens the file,
+/// because a network share then asks its server for changes. A cached copy thus does not hide a heartbeat.
 pub fn read(folder: &Path, index: usize, number: u32) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = File::open(path(folder, index, number)).ok()?;

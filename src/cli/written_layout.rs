@@ -41,8 +41,8 @@ pub fn check_alternative(
 ///
 /// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The
 /// layout file does not state goals that a flag chose. The evaluation of such a file may contain a penalty
-/// for a missed limit, which the search did not add. For a search with this goal, the field `cost` is
-/// therefore not compared.
+/// for a missed limit, which the search did not add. For a search with this goal, the function therefore
+/// ignores [`Evaluation::cost`], the objective plus penalties.
 fn is_same_evaluation(cell: &Cell, again: &Evaluation, searched: &Evaluation) -> bool {
     let cost = if cell.search.prices_tolerances() { searched.cost } else { again.cost };
     Evaluation { cost, ..again.clone() } == *searched

@@ -121,7 +121,8 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// `self`, `next` and the result are seen at one fixed place. The moved point starts at this place.
+    /// `self`, `next` and the result are seen at one fixed place. The field `position` of each motion is the
+    /// displacement of the point that is at this place before the motion.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();

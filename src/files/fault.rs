@@ -18,7 +18,7 @@ pub enum Severity {
 /// Kind of a fault. The kind decides the exit code and whether a command prints a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
-    /// Wrong content, or an unreadable file that the user has not given as the cell or robot file.
+    /// Wrong content, or an unreadable file to which [`Self::Unreadable`] does not apply.
     #[default]
     Content,
     /// The cell or robot file itself cannot be read.

@@ -58,8 +58,8 @@ pub struct AllocationDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
-    /// The tolerances meet all limits by the error model of the cell. `duality_gap` compares their cost with
-    /// its lower bound. A final reduction of all tolerances can increase this gap.
+    /// The error model of the cell confirms that the tolerances meet all limits. `duality_gap` compares their
+    /// cost with its lower bound. A final reduction of all tolerances can increase this gap.
     Cheapest,
     /// The error model of the cell gives a figure above its limit, even after a final reduction of all
     /// tolerances.

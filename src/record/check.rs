@@ -39,9 +39,9 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges. "ranked-nodes" leaves out nodes by lower bounds, and
-    /// "bounded-postures" leaves out postures by lower bounds. "spin-families" leaves out groups of postures
-    /// that differ in the last joint alone, by lower bounds. "every-posture" leaves out none.
+    /// Postures that the search judges. "ranked-nodes" skips nodes, "bounded-postures" skips postures, and
+    /// "spin-families" skips groups of postures that differ in the last joint alone. "every-posture" skips
+    /// none. A node, posture or group is skipped if its lower bound exceeds the best value found.
     pub judges: String,
     /// Reason why every posture is judged; null if lower bounds leave some postures out.
     pub why: Option<String>,

@@ -56,9 +56,9 @@ pub struct ExplanationDocument {
     pub convention: String,
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// For modified rows in the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
-    /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, `l_mm`
-    /// and `alpha_deg` are 0.
+    /// If the robot file has modified rows, row k takes `l_mm` and `alpha_deg` from row k + 1 of the file.
+    /// Frame 0 then contains both values of row 1 of the file. In the last row of this table, both values are
+    /// then 0.
     pub dh: Vec<DhEntry>,
     /// Frames of the links and of the TCP, in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -153,7 +153,8 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that the registration and the pick of the part subtract, in the base frame.
+    /// Part of the effect that is subtracted because of registration and the pick of the part, in the base
+    /// frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],

@@ -78,7 +78,8 @@ pub struct TriedEntry {
 }
 
 impl ExpectedEntry {
-    /// Returns the entry for expected errors in m: before, after, and after evenly spread poses.
+    /// Returns the entry for expected errors, m: without a measurement, after the planned poses, and after
+    /// evenly spread poses.
     pub fn new(nodes: usize, [before, after, evenly]: [f64; 3], error: UnmodelledError) -> Self {
         Self {
             nodes,

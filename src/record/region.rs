@@ -8,11 +8,11 @@ use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Region in the world frame in which one piece may stand: a piece of equipment or the robot base. All other
-/// pieces keep the placements that the search found, and every operation keeps its spot and posture branch.
+/// Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
+/// their placements. Every operation keeps its spot and branch.
 ///
-/// Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
-/// `indifference_percent` above the objective of the layout.
+/// Everywhere in the region, the layout works within the placement tolerances. The objective grows by at most
+/// `indifference_percent`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {
@@ -38,8 +38,8 @@ pub struct RegionEntry {
     pub ends_with: String,
 }
 
-/// Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
-/// carries.
+/// Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
+/// rotates if its x, y and yaw have ranges. Carried equipment rotates only with its carrier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {

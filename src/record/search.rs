@@ -86,9 +86,9 @@ pub struct SearchResult {
     /// One region for each piece that the search places. The piece may stand anywhere in its region.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation about the base axis of all equipment whose x, y and yaw have ranges. The objective grows by
-    /// at most `indifference_percent`. Null if the layout is not feasible or misses a limit. Also null if x,
-    /// y or yaw of the equipment under an operation has no range.
+    /// Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. The
+    /// objective grows by at most `indifference_percent`. Null if the layout is not feasible or misses a
+    /// limit. Also null if x, y or yaw of the equipment under an operation has no range.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.

@@ -18,7 +18,8 @@ pub struct ResolvedSettings {
     pub registration: Registration,
     pub operations: Vec<ResolvedOperation>,
     pub objective: Objective,
-    /// Relative width of the steps of the lexicographic objective. Values in the same step count as equally good.
+    /// Relative difference up to which two objectives count as equally good. The lexicographic objective
+    /// divides values into steps of this relative width. Values in the same step count as equally good.
     pub indifference: f64,
     pub solver: Solver,
     pub seed: u64,

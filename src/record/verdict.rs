@@ -47,9 +47,9 @@ pub struct VerdictDocument {
     #[serde(default)]
     pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
-    /// Rotation about the base axis of all equipment whose x, y and yaw have ranges. Null if the layout is
-    /// not feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation has no
-    /// range.
+    /// Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. Null if the
+    /// layout is not feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation
+    /// has no range.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the answer is no.

@@ -1,7 +1,8 @@
 //! Work objects for robot controllers: frames of the equipment in the frame of the robot base, and spots.
 //!
-//! ISO 9787 names the frames: the base frame of the robot, and the task frame. Manufacturers call the task
-//! frame base, work object, feature or user frame. Each controller states rotations in its own way:
+//! ISO 9787 names the frames: the base frame of the robot, and the task frame. Manufacturers use
+//! other names for the task frame: "base", "work object", "feature" or "user frame". Each controller
+//! states rotations in its own way:
 //!
 //! | controller | rotation | matrix |
 //! |---|---|---|
@@ -24,28 +25,28 @@ pub enum Controller {
     Fanuc,
 }
 
-/// Convention of KRL, as comment lines.
+/// Comment lines that state the units, rotations and reference frames of KRL.
 const KRL: [&str; 4] = [
     "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the rotated Y, then C about the twice rotated X.",
     "The values are relative to $ROBROOT, which equals $WORLD if $ROBROOT is zero.",
     "Use a frame as $BASE = $ROBROOT : base_NAME, or enter it as BASE_DATA[n] if $ROBROOT is zero.",
     "A spot is the frame of the TCP in the base on which the operation happens.",
 ];
-/// Convention of RAPID, as comment lines.
+/// Comment lines that state the units, rotations and reference frames of RAPID.
 const RAPID: [&str; 4] = [
     "Positions in mm. Rotations as unit quaternions q1 to q4; q1 is the scalar part.",
     "A user frame is relative to the world frame: the values hold if the robot base frame is the world frame.",
     "The object frame of each work object is zero.",
     "A spot is the pose of the TCP in the work object on which the operation happens.",
 ];
-/// Convention of URScript, as comment lines.
+/// Comment lines that state the units, rotations and reference frames of URScript.
 const URSCRIPT: [&str; 4] = [
     "Poses p[x, y, z, rx, ry, rz]: positions in m, rotation vectors in rad.",
     "The values are relative to the base feature of the controller. The frame base_link of ROS is rotated by 180",
     "degrees about z relative to the base feature.",
     "A spot is the pose of the TCP in the feature: pose_trans(feature_NAME, spot_NAME) is the pose in the base.",
 ];
-/// Convention of FANUC user frames, as comment lines.
+/// Comment lines that state the units, rotations and reference frame of FANUC user frames.
 const FANUC: [&str; 6] = [
     "X, Y, Z in mm. W, P, R in degrees: W about the fixed X, then P about the fixed Y, then R about the fixed Z.",
     "UFRAME is relative to the world frame of the controller. On most arms, its origin lies on axis J1 at the height",

@@ -1,4 +1,4 @@
-//! Table of the errors that a calibration has identified, or that a file states, for a robot file.
+//! Error table for a robot file, with the errors that a calibration has identified or that a file states.
 
 use crate::calibration::{Calibration, Unknown};
 use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, PeriodicError, Robot, SignedErrors};

@@ -1,4 +1,4 @@
-//! A plan of measuring poses as CSV that is filled in with the measured positions.
+//! Plan of measuring poses as CSV. The user adds the measured positions to this file.
 
 use super::csv::put;
 use crate::cell::{Cell, JointKind};

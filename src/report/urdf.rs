@@ -103,7 +103,7 @@ fn triple(v: &Vector3<f64>) -> String {
     format!("{} {} {}", plain(v.x), plain(v.y), plain(v.z))
 }
 
-/// Returns a number with at most 12 decimals: 1 pm, or 1e-12 rad.
+/// Returns a number with at most 12 decimals. The last decimal is 1 pm or 1e-12 rad.
 fn plain(value: f64) -> String {
     rounded(value, 12).to_string()
 }

@@ -262,8 +262,8 @@ class Evaluator:
 
         The weight w depends on the objective. For `sum`, w is the sum of the weights of the operations. For `max`, w
         is the largest of these weights. For `lexicographic`, w is 1. For `tolerance-cost`, w is the cost of the
-        tightest tolerances. For an error, the multiples of w are in m or rad, and are converted to `unit`. If `unit`
-        is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
+        tightest tolerances. If the objective is an error, the multiples of w are in m or rad, and are converted to
+        `unit`. If `unit` is mm and w is 2, for example, 100 w is 200 m = 200 000 mm.
         """
     def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
         """Evaluates layouts: costs, objectives, values of the operations and, if `reasons` is True, the reasons why a
@@ -387,8 +387,8 @@ def calibrate(
     3) or the poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard
     deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part of the fit.
 
-    `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic errors of the
-    revolute joints up to this order.
+    `elastic` adds the deflection of the joints by the weight of the links. `harmonics` is the largest order of the
+    periodic errors of the revolute joints; None adds no periodic errors.
 
     For several sessions with different frames of the instrument or different tools, `q` and `measured` are lists with
     one array per session. `test` may be a list of pairs (q, measured).

@@ -724,9 +724,9 @@ class ExplanationDocument(Record):
     convention: str
     """Denavit-Hartenberg convention of the rows in the robot file."""
     dh: Table[DhEntry]
-    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. For modified rows in
-    the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. `l_mm` and `alpha_deg` of
-    row 1 of the file are part of frame 0. In the last row of this table, `l_mm` and `alpha_deg` are 0.
+    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. If the robot file has
+    modified rows, row k takes `l_mm` and `alpha_deg` from row k + 1 of the file. Frame 0 then contains both
+    values of row 1 of the file. In the last row of this table, both values are then 0.
     """
     frames: Table[FrameEntry]
     """Frames of the links and of the TCP, in the base frame."""
@@ -1441,9 +1441,9 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges. "ranked-nodes" leaves out nodes by lower bounds, and "bounded-postures"
-    leaves out postures by lower bounds. "spin-families" leaves out groups of postures that differ in the last
-    joint alone, by lower bounds. "every-posture" leaves out none.
+    """Postures that the search judges. "ranked-nodes" skips nodes, "bounded-postures" skips postures, and "spin-
+    families" skips groups of postures that differ in the last joint alone. "every-posture" skips none. A
+    node, posture or group is skipped if its lower bound exceeds the best value found.
     """
     why: Optional[str]
     """Reason why every posture is judged; null if lower bounds leave some postures out."""
@@ -1497,7 +1497,7 @@ class ParameterEntry(Record):
     motions: Table[MotionEntry]
     effect_base_mm_per_unit: _Numbers
     taken_off_base_mm_per_unit: _Numbers
-    """Part of the effect that the registration and the pick of the part subtract, in the base frame."""
+    """Part of the effect that is subtracted because of registration and the pick of the part, in the base frame."""
     linear_term_mm: _Numbers
     linear_term_deg: _Numbers
 
@@ -1696,10 +1696,9 @@ class RefinedEntry(Record):
 
 
 class RegionEntry(Record):
-    """Region in the world frame in which one piece may stand: a piece of equipment or the robot base. All other
-    pieces keep the placements that the search found, and every operation keeps its spot and posture branch.
-    Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
-    `indifference_percent` above the objective of the layout.
+    """Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
+    their placements. Every operation keeps its spot and branch. Everywhere in the region, the layout works
+    within the placement tolerances. The objective grows by at most `indifference_percent`.
     """
 
     equipment: str
@@ -1879,7 +1878,9 @@ class ResolvedSettings(Record):
     operations: Table[ResolvedOperation]
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     indifference: float
-    """Relative width of the steps of the lexicographic objective. Values in the same step count as equally good."""
+    """Relative difference up to which two objectives count as equally good. The lexicographic objective divides
+    values into steps of this relative width. Values in the same step count as equally good.
+    """
     solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
     seed: int
     budget: int
@@ -2127,9 +2128,9 @@ class SearchResult(Record):
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
-    """Rotation about the base axis of all equipment whose x, y and yaw have ranges. The objective grows by at
-    most `indifference_percent`. Null if the layout is not feasible or misses a limit. Also null if x, y or
-    yaw of the equipment under an operation has no range.
+    """Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. The objective
+    grows by at most `indifference_percent`. Null if the layout is not feasible or misses a limit. Also null
+    if x, y or yaw of the equipment under an operation has no range.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2738,8 +2739,8 @@ class TriedEntry(Record):
 
 
 class TurnEntry(Record):
-    """Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
-    carries.
+    """Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
+    rotates if its x, y and yaw have ranges. Carried equipment rotates only with its carrier.
     """
 
     turn_deg: _Numbers
@@ -2823,8 +2824,9 @@ class VerdictDocument(Record):
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Rotation about the base axis of all equipment whose x, y and yaw have ranges. Null if the layout is not
-    feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation has no range.
+    """Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. Null if the
+    layout is not feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation has
+    no range.
     """
     reasons: List[str]
     """Reasons why the answer is no."""

@@ -11,7 +11,7 @@ pub enum BatchEngine {
 /// Number of combinations or islands of one task.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ChunkSize {
-    /// As many combinations or islands as take about a minute.
+    /// Number of combinations or islands that take about a minute.
     #[default]
     Auto,
     Combinations(usize),

@@ -40,8 +40,8 @@ pub use sweep::{SweepArguments, common_settings};
 
 use clap::{Parser, Subcommand};
 
-/// Finds the spot of least error for a precision operation in a robot workcell, and the layout of
-/// worktable and conveyor with which this error is least.
+/// Finds the spot and the workcell layout that give a precision operation of a robot the least end-effector
+/// error.
 #[derive(Parser)]
 #[command(
     version,

@@ -110,7 +110,7 @@ pub struct StoppingFlags {
     /// Stop after this many evaluations without a better layout
     #[arg(long, value_name = "N")]
     pub stagnation: Option<u64>,
-    /// Stop after this time with a checkpoint and exit code 4
+    /// Stop after this time, write a checkpoint, and exit with code 4
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub time: Option<f64>,
 }

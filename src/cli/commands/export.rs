@@ -82,7 +82,8 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
 /// returned cell is exported as drawn.
 ///
 /// Reads the original cell of the search from a result folder, unless a flag changes the cell or `--start` is
-/// given. The search ranges of this cell limit the regions in which the equipment may stand.
+/// given. The drawing shows the regions in which the equipment may stand within the search ranges of this
+/// cell.
 fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
     let file = cell_file(&a.of, a.start)?;
     if a.of.is_dir() && !a.start && a.question.words().is_empty() {

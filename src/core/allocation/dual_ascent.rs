@@ -127,10 +127,10 @@ pub fn priced_scales(
     None
 }
 
-/// Returns the shortest multiplier vector with which the cheapest scales meet the limit of `cut` along one
-/// direction. The scales `u` violate this constraint. The multipliers act along the direction of the error
-/// at `u`. The terms `others` stay unchanged. The result is None if the cheapest scales meet this limit with
-/// the terms `others` alone.
+/// Returns the first multiplier vector of the constraint `cut`, which the scales `u` violate. The vector has
+/// the direction of the error at `u`. It is the shortest such vector with which the cheapest scales meet the
+/// limit along this direction. The terms `others` stay unchanged. The result is None if the cheapest scales
+/// meet this limit with the terms `others` alone.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],

@@ -13,7 +13,7 @@ const WIDEST: f64 = 60.0;
 const LONGEST: f64 = 3.0;
 /// The steps of a quick bound end when their relative gain is below this value.
 const QUICK_GAIN: f64 = 1e-4;
-/// Difference up to which two values count as equal, because rounding may cause it.
+/// Two values count as equal up to this difference. Rounding errors can be as large.
 const SAME: f64 = 1e-13;
 
 /// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty

@@ -10,8 +10,8 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Least variance that sets the size of a numerical step, as a share of the largest variance. The step of a
-/// smaller variance is computed from this least variance.
+/// Lower limit of the variance from which a numerical step is computed, as a share of the largest variance.
+/// A smaller variance gets the step that belongs to this limit.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -75,8 +75,10 @@ impl NodeFigure<'_> {
     /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear
     /// effects.
     ///
-    /// The square of a high percentile is convex. Up to a factor, this square lies between the largest
-    /// eigenvalue and the trace of the covariance. The square of a mean or of a low percentile is not convex.
+    /// The square of a high percentile is convex. Consider normal errors with mean 0, and let c be the square
+    /// of the percentile for a unit variance in one direction. The squared percentile then lies between c
+    /// times the largest eigenvalue and c times the trace of the covariance. The square of a mean or of a low
+    /// percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,

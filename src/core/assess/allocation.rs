@@ -54,7 +54,7 @@ pub struct CellAllocation<'a> {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The problem has no limit or no tolerance to choose, or the errors compensate each other. The text
+    /// A limit is missing, no tolerance can be chosen, or the errors compensate each other. The text
     /// `why` states the reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.

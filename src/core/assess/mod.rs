@@ -248,10 +248,9 @@ impl<'a> Assessment<'a> {
     /// yield, whose definition already contains the limit.
     ///
     /// If the objective is the cost of tolerances, the limit in the result is not an error. This limit is the
-    /// cost of the tightest tolerances. A greater cost means that even these tolerances exceed the limit.
-    /// If the cost of tolerances is only one of several goals, the result is
-    /// None. The limits then apply to the errors at the chosen tolerances, not at the tolerances of the error
-    /// set.
+    /// cost of the tightest tolerances. A greater cost means that the error exceeds its limit even at the
+    /// tightest tolerances. If the cost of tolerances is only one of several goals, the result is None. The
+    /// limits then apply to the errors at the chosen tolerances, not at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -310,8 +309,11 @@ pub struct Requirement {
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
     /// The error stays if no such bound is known.
     pub margin: f64,
-    /// Whether the margin is valid for all misplacements that the layout must withstand. If not, the margin
-    /// refers to the nominal error, without misplacements.
+    /// Whether the sign of the margin decides whether the limit is met. The value is false only if the
+    /// certificate of the layout gives no upper bound of the error. The margin then uses the error itself.
+    ///
+    /// The value is true for costs. The value is also true without a certificate
+    /// ([`Assessment::certificate`]), and for a posture that is not at the spot.
     pub known: bool,
 }
 

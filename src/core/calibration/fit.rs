@@ -41,7 +41,7 @@ pub(super) struct Residual {
     pub row: usize,
     /// Measured minus predicted position, m.
     pub by: Vector3<f64>,
-    /// Covariance of the misfit, m^2.
+    /// Covariance of the misfit (the error that the identified parameters do not explain), m^2.
     pub misfit: Matrix3<f64>,
     /// Covariance of the prediction, m^2.
     pub spread: Matrix3<f64>,

@@ -49,7 +49,7 @@ pub(super) struct PositionEquation {
     pub residual: Vector3<f64>,
     pub drives: Vec<Vector3<f64>>,
     pub motions: Vec<PointMotion>,
-    /// Covariance of the misfit, m^2.
+    /// Covariance of the misfit (the error that the identified parameters do not explain), m^2.
     pub misfit: Matrix3<f64>,
     /// Cholesky factor of the covariance (m^2) that weights the residual in the fit.
     pub factor: Cholesky<f64, Const<3>>,

@@ -9,11 +9,12 @@
 //!
 //! Here `s_k` is the expected standard deviation of a coefficient of order k. So `e_j` is a Gaussian process,
 //! in which nearby postures have nearly the same error. Outside the measured range, the error is as uncertain
-//! as before the measurement. The factor `f_j^2` is the sum of the squared coefficients, in units of `s_k`,
-//! divided by the number of coefficients that the data determine. The fit estimates this factor together with
-//! the coefficients (D. J. C. MacKay, "Bayesian interpolation", Neural Computation 4, 1992). The expectation
-//! that `f_j` is 1 counts as much as twenty coefficients. This weight is high because the errors in the
-//! measured range say little about the rest of the revolution.
+//! as before the measurement. Let `S_j` be the sum of the squared ratios `a_jk / s_k` and `b_jk / s_k`. Let
+//! `n_j` be the number of coefficients that the data determine. The factor `f_j^2` is then
+//! `(S_j + 20) / (n_j + 20)`. The fit estimates this factor together with the coefficients (D. J. C. MacKay,
+//! "Bayesian interpolation", Neural Computation 4, 1992). The expectation that `f_j` is 1 counts as much as
+//! twenty coefficients. This weight is high because the errors in the measured range say little about the
+//! rest of the revolution.
 
 use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};

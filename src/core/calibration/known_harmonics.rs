@@ -49,10 +49,10 @@ impl Calibration {
 
     /// Returns the variance, rad^2, that the uncertainty of a periodic error adds to the error of its joint.
     ///
-    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, it is a
-    /// difference. The first term is the variance of the sum of zero error and periodic error, averaged over
-    /// the measured range. The second term is the variance of the zero error in
-    /// [`Self::covariance_beside_periodic_errors`].
+    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, the result is a
+    /// first term minus a second term, but at least 0. The first term is the variance of the sum of zero
+    /// error and periodic error, averaged over the measured range. The second term is the variance of the
+    /// zero error in [`Self::covariance_beside_periodic_errors`].
     pub fn variance_of_periodic_error(&self, joint: usize) -> f64 {
         if self.is_coupled() {
             return self.periodic_variance(joint);

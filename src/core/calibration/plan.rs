@@ -14,8 +14,8 @@
 //!
 //! A plan minimizes the expected squared error of the predicted tool position, averaged over the postures of
 //! the task (I-optimality). A plan that maximizes a determinant (D-optimality) would determine all unknowns
-//! well, even those that the task does not need. After a calibration the base is registered anew. The motion
-//! of the base that best fits the errors at the candidates therefore does not count.
+//! well, even those that the task does not need. After a calibration the base is registered anew. The
+//! expected error therefore excludes the motion of the base that best fits the errors at the candidates.
 
 use super::plan_posterior::PlanPosterior;
 use super::plan_problem::PlanProblem;

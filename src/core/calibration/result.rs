@@ -25,7 +25,7 @@ pub struct FittedSession {
     pub frames: SessionFrames,
     /// Distance of every measured position from the predicted position, m.
     pub distances: Vec<f64>,
-    /// Outlier rows, whose distances the misfit does not explain, each with its distance, m.
+    /// Row and distance (m) of every outlier. An outlier is a position with a normalized residual above 6.
     pub outliers: Vec<(usize, f64)>,
 }
 

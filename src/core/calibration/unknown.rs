@@ -109,7 +109,7 @@ impl Unknown {
 /// Largest order of the slow harmonics, whose coefficients are larger because encoders and gears are
 /// eccentric or tilted.
 const SLOW: usize = 4;
-/// Expected standard deviation of a coefficient of a fast harmonic if there are no data, rad.
+/// Expected standard deviation of a coefficient of a harmonic above order [`SLOW`] before the fit, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
 /// Returns the prior standard deviation of one coefficient of this order, rad.

@@ -298,8 +298,8 @@ impl SearchSettings {
 
 impl SearchSettings {
     /// Returns whether the search takes the cost of tolerances into account. If so, the search computes
-    /// the cheapest tolerances with which every operation stays within its limit. The error at the
-    /// tolerances of the error set may then exceed the limit.
+    /// the cheapest tolerances with which every operation stays within its limit. A layout may then be
+    /// accepted although its error with the present tolerances exceeds the limit.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

@@ -203,7 +203,7 @@ impl Cell {
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
                 let message =
                     format!("`{}` is judged by the {} over its nodes", operation.name, operation.over.name());
-                let help = "use over = \"max\", so that every node stays within the limit, or \"best\"";
+                let help = "use over = \"best\", or over = \"max\" to apply the limit to every node";
                 refuse(
                     About::Operation(k),
                     format!("{message}, but the cost of tolerances applies the limit to single nodes"),

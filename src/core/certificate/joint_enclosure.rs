@@ -177,7 +177,10 @@ impl JointEnclosure {
         if turned < 0.5 { sum / (1.0 - turned) } else { f64::INFINITY }
     }
 
-    /// Returns the enclosure that follows from displacements in the coordinates of a [`PosedChain`].
+    /// Converts an enclosure in the coordinates of a [`PosedChain`] to an enclosure of the joint coordinates.
+    ///
+    /// `first` holds the linear displacements of the coordinates, one row per axis of the target box. `bend`
+    /// holds upper bounds of the deviations from these displacements.
     fn of_coordinates(
         posed: &PosedChain<'_>,
         first: &[Rows; BoxAxis::COUNT],

@@ -7,8 +7,8 @@
 //! are products of unit axes and one lever arm, so the lever arms bound them.
 //!
 //! The size of a signed sample, the linear worst case, the RMS and the mean are convex functions of the
-//! effects. The largest value of such a function is therefore at most the largest value at the corners, plus
-//! the value of the deviations.
+//! effects. So the value in the box is at most the largest value at the corners plus a second term. This term
+//! is the value of the same function if the deviations replace the effects.
 //!
 //! A nonlinear worst case is at most the linear worst case plus the largest products of two and more errors.
 //! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most

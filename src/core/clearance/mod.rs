@@ -7,13 +7,15 @@
 //! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
 //! parry3d runs in f64 here, so no margin for single precision is needed. To keep a clearance, the robot's
-//! solids are enlarged by the clearance once, when the cell is loaded. So every check is a plain intersection
-//! test. Enlarged capsules, spheres, boxes and cylinders are exact, because parry3d has rounded shapes for
-//! them. Solids that touch count as a collision, but floor spaces may touch.
+//! solids are enlarged once, when the cell is loaded. The enlargement is the clearance plus 1e-7 m
+//! (`TOUCHING` in `robot_solids`). So every check is a plain intersection test. Enlarged capsules, spheres,
+//! boxes and cylinders are exact, because parry3d has rounded shapes for them. Solids that touch count as a
+//! collision, but floor spaces may touch.
 //!
 //! Equipment meshes are checked triangle by triangle, so the verdict is exact. A convex equipment mesh
 //! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts
-//! that contain the mesh. The robot is checked against itself without the clearance.
+//! that contain the mesh. The robot is checked against itself without the clearance. Only the sides of the
+//! pedestal keep the clearance to the arm.
 
 mod arm_part;
 mod bodies;

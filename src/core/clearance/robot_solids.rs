@@ -11,7 +11,8 @@ use parry3d::bounding_volume::BoundingVolume;
 
 /// Distance, m, below which two solids count as touching.
 ///
-/// This distance exceeds the rounding errors of parry3d, so no contact is missed.
+/// This distance exceeds the rounding errors of the coordinates. The iterative queries of parry3d have larger
+/// errors, which `CONTACT_MARGIN` states.
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.
@@ -149,7 +150,8 @@ impl RobotSolid {
         BoundingCapsule { radius, ..self.core.at(pose) }
     }
 
-    /// Returns the height (m) of the lowest point of the solid enlarged by the clearance.
+    /// Returns the height (m) of the lowest point of all bodies of the solid. The bodies are enlarged by the
+    /// clearance plus [`TOUCHING`].
     ///
     /// `pose` is the pose of the carrier frame in the world, and `capsule` is [`Self::capsule`] at that pose.
     pub(super) fn lowest(&self, capsule: &BoundingCapsule, pose: &Pose) -> f64 {

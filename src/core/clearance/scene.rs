@@ -21,7 +21,10 @@ use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math as pm;
 use parry3d::shape::{Cuboid, SharedShape};
 
-/// All solids of a cell, prepared once for collision checking. Robot solids are enlarged by the clearance.
+/// All solids of a cell, prepared once for collision checking.
+///
+/// Each robot solid is stored in two sizes. Checks against equipment, fence and floor use the solid enlarged
+/// by the clearance plus 1e-7 m. Checks of the robot against itself use the solid enlarged by 1e-7 m alone.
 pub struct Scene {
     pub(super) links: Vec<RobotSolid>,
     /// Bounding spheres of the robot solids, in the order of `links`.

@@ -62,7 +62,9 @@ impl SampleLimits {
         &self.bands[..self.count]
     }
 
-    /// Returns the greatest x = (ds/dt)^2 that permits an x between 0 and `next` after s grows by `step`.
+    /// Returns the greatest x = (ds/dt)^2 from which x can reach a value from 0 to `next` at the next sample.
+    ///
+    /// From this sample to the next sample, s grows by `step`.
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;

@@ -33,8 +33,8 @@ pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBou
     limited_move_time(from, to, bounds, f64::INFINITY)
 }
 
-/// Returns the time, s, of [`straight_move_time`] with one more limit. The share of the travel that is
-/// completed grows by at most `rate` per s.
+/// Returns the time, s, of [`straight_move_time`] with one more limit. The completed share of the travel
+/// grows by at most `rate` per s.
 pub(super) fn limited_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds, rate: f64) -> f64 {
     let (mut velocity, mut acceleration) = (rate, f64::INFINITY);
     let mut moves = false;

@@ -190,8 +190,8 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
     equipment.solids.iter().map(part).collect()
 }
 
-/// Returns the walls of the fence as boxes. Each box is the pose of its centre in the world frame and its
-/// edge lengths, m.
+/// Returns the walls of the fence as boxes. Each box is given by the pose of its centre in the world frame
+/// and by its edge lengths, m.
 ///
 /// A wall is 10 mm thick. If the fence has no height, its walls are also 10 mm high.
 pub fn fence_walls(cell: &Cell) -> Vec<(Pose, Vector3<f64>)> {

@@ -16,7 +16,10 @@ type BoxSigns = Vec<i8>;
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum BoxPoints {
     Corners,
-    /// Corners of the box, and the middles of all its edges and faces.
+    /// Corners of the box, and the middles of its edges and facets, without the centre of the box.
+    ///
+    /// A facet of a box with n dimensions has n - 1 dimensions. The middles of faces with 2 to n - 2
+    /// dimensions are left out. Such faces exist from n = 4 on.
     Surface,
 }
 

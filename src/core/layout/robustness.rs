@@ -17,7 +17,8 @@
 //! - Largest allowed misplacement: the analysis finds three separate sizes. They are a multiple of the
 //!   tolerance box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor
 //!   spaces overlap, the posture is usable and the value is within its limit. A multiple of the box is
-//!   checked at the corners and the middles of all edges and faces. A displacement is checked in 16
+//!   checked at its corners, and at the middles of its edges and facets. A facet of a box with n dimensions
+//!   has n - 1 dimensions. A displacement is checked in 16
 //!   directions, and a yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails.
 //!   Bisection follows. A failure that occurs only between two checked sizes is missed.
 
@@ -42,7 +43,7 @@ const STRIDE: f64 = 1.6;
 /// Number of steps from the smallest checked size of a misplacement to the largest. Each step multiplies
 /// the size by [`STRIDE`].
 ///
-/// The smallest size is therefore 1/7500 of the largest.
+/// The smallest size is therefore about 1/7600 of the largest.
 const SCALE_STEPS: i32 = 19;
 /// Number of bisection steps between the last allowed size of a misplacement and the first refused size.
 const BISECTIONS: usize = 26;

@@ -30,8 +30,7 @@ impl Solidity {
 
 const HOLLOW: &str =
     "an object wholly inside a cavity is not detected as a collision: remove the inner walls";
-const OPEN: &str =
-    "its inside is not solid, so a link wholly inside is not detected as a collision: close the holes";
+const OPEN: &str = "close the holes: an object wholly inside an open mesh is not detected as a collision";
 
 /// Returns whether the surface bounds a solid.
 ///

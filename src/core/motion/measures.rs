@@ -54,7 +54,7 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     actuators.min(6).checked_sub(1).map_or(0.0, |last| values[last])
 }
 
-/// Returns whether the [`singularity`] measure of a posture is at least `least`.
+/// Returns whether the [`singularity`] measure of a posture exceeds `least`.
 ///
 /// All singular values of a matrix J exceed s if the matrix `J^T J - s^2 I` is positive definite. Here s is
 /// `least`, and I is the identity matrix. For more than six moving joints, `J J^T` replaces `J^T J`. This
@@ -87,9 +87,9 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
     (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits))
 }
 
-/// Returns the least-squares solution of the joint displacements for a motion of the TCP. If there are
-/// several solutions, the function returns the solution of least norm. The displacement in `motion` is
-/// divided by `reach`, like the position rows of the Jacobian.
+/// Returns the joint displacements that cause the motion `motion` of the TCP, in the least-squares sense. If
+/// there are several solutions, the function returns the solution of least norm. The displacement in `motion`
+/// is divided by `reach`, like the position rows of the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
 /// decomposition. It uses this decomposition only for a nearly singular posture or for more than six moving

@@ -1,12 +1,12 @@
 //! Upper bounds of the displacements of the robot's solids along a path in joint coordinates.
 //!
-//! Over any part of a path, a point that joint i rotates moves by at most
+//! Over any part of a path, a revolute joint i displaces a point of a solid by at most
 //!
 //! ```text
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
 //! ```
 //!
-//! and by at most |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H
+//! and a prismatic joint i by at most |dr_i|. Here dtheta_i and dr_i are the changes of the D-H
 //! coordinates of joint i. The length and the offset of a D-H row are l and r. In the last row, the
 //! centre of the solid's bounding sphere replaces the origin of the frame after the link (F. Schwarzer,
 //! M. Saha, J.-C. Latombe, IEEE Transactions on Robotics 21, 2005).

@@ -42,12 +42,13 @@ pub enum Stopped {
 
 /// Returns joint vectors, beginning with `from`, that move the TCP along the vector `way` (base frame, m).
 ///
-/// The attitude is constant. Each vector is computed from the vector before it, so that the branch does not
-/// change. All vectors and the straight moves between them are within the joint limits. `reach` is a
+/// The attitude is equal at all vectors. Each vector is computed near the vector before it, so that the
+/// branch does not change. All vectors after `from` and the straight moves between them are within the joint
+/// limits, with a tolerance of 1e-6 rad or m. The vector `from` itself is not checked. `reach` is a
 /// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Returns the reason why the arm cannot follow the whole line, with a length of the line. For
+/// Returns the reason why the arm cannot follow the whole line. The reason states a length of the line. For
 /// [`Stopped::Lost`], this is the length that the arm can follow. For [`Stopped::Limit`], a joint
 /// exceeds its limit within the last move before this length.
 pub fn straight(

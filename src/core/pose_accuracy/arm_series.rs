@@ -1,5 +1,6 @@
-//! Pose accuracy of a series of robots. The robots are random within the tolerances, and each robot is tested
-//! at the five poses of ISO 9283.
+//! Pose accuracy of a series of robots. The errors of the robots follow the distributions of the tolerances,
+//! and each robot is tested at the five poses of ISO 9283. A low-discrepancy sequence replaces random
+//! numbers.
 
 use super::base_fit::BaseFit;
 use super::test_cube::TestCube;
@@ -55,8 +56,8 @@ impl<'a> PoseAccuracyTest<'a> {
 
     /// Returns the pose accuracy of the series whose parameters have the given spreads.
     ///
-    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same random
-    /// numbers, so the accuracy is a smooth function of the spreads.
+    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same points
+    /// of the low-discrepancy sequence, so the accuracy is a continuous function of the spreads.
     pub fn accuracy(&self, spreads: &[Spread]) -> PoseAccuracy {
         let mut at: Vec<(f64, f64)> = richtmyer_steps().take(spreads.len()).map(|step| (0.5, step)).collect();
         let (mut means, mut largest) = (Vec::with_capacity(ROBOTS), Vec::with_capacity(ROBOTS));

@@ -14,7 +14,7 @@ pub struct BaseFit {
     frames: Vec<Frames>,
     /// Mean position of the TCP in the base frame, m.
     centre: Vector3<f64>,
-    /// Inverse of the mean inertia matrix of the positions about their centre, 1/m^2.
+    /// Pseudo-inverse of the mean inertia matrix of the positions about their centre, 1/m^2.
     inverse: Matrix3<f64>,
 }
 

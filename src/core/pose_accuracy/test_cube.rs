@@ -35,19 +35,20 @@ pub struct TestCube {
     pub is_standard: bool,
     /// Centre of the cube in the base frame, m.
     pub centre: Vector3<f64>,
-    /// Orientation of the tool at all poses, relative to the base frame.
+    /// Required attitude of the tool at all poses, relative to the base frame. Azimuth and spin may be free.
     pub attitude: Attitude,
     pub poses: [TestPose; 5],
 }
 
 impl TestCube {
-    /// Returns the largest cube in the working space of the robot; None if no cube fits.
+    /// Returns the first tried cube that fits in the working space of the robot; None if no tried cube fits.
     ///
-    /// The corners of the cube and the five poses are reachable within the joint limits with one orientation
-    /// of the tool. The cube is beside the robot base. If a cube of this size fits at several centres, the
-    /// centre nearest to their mean is chosen. All sizes of the standard are tried before any smaller
-    /// size. Among standard sizes, a cube above the base plane is preferred even to a larger cube that
-    /// extends below it. The same rule applies among the smaller sizes.
+    /// The corners of the cube and the five poses are reachable within the joint limits with one attitude of
+    /// the tool, whose azimuth and spin may be free. The cube is beside the robot base. The tried centres lie
+    /// on a grid. If a cube of this size fits at several centres, the centre nearest to their mean is chosen.
+    /// All sizes of the standard are tried before any smaller size. Among standard sizes, a cube above the
+    /// base plane is preferred even to a larger cube that extends below it. The same rule applies among the
+    /// smaller sizes. Otherwise, larger cubes are tried first.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));

@@ -3,9 +3,10 @@
 //!
 //! Seen from the link after the first joint (on the tool side), the errors before this joint rotate about its
 //! axis. Let an error with the variance v translate the arm along a horizontal direction u, or rotate it
-//! about u. The contribution of this error to the bound of a statistic is `v u . M(p) u`, with a matrix M
-//! that depends on the position p of the measured point. Two errors of the same kind with the same variance
-//! in perpendicular directions give `v tr M`, whatever their direction. The bound therefore splits the
+//! about u. The contribution of this error to the bound of the squared statistic is `v u . M(p) u`. The
+//! matrix M depends on the position p of the measured point. Two errors of one kind with the variance v in
+//! perpendicular directions together contribute `v tr M`. This sum does not depend on the choice of the two
+//! directions. The bound therefore splits the
 //! variances of each kind of error into two parts: an isotropic part, and an excess in one direction.
 //!
 //! An excess with the variance v contributes at least v times the least eigenvalue of M to the bound. Let the
@@ -49,7 +50,7 @@ impl FirstJoint {
     /// replace these errors. This is also the case if the list of error sources would become longer than
     /// [`MAX_SOURCES`]. If the sense has a rotation row or a non-horizontal row, no motions replace the
     /// excess in one direction. The bound remains valid. Returns None, and leaves `motions` unchanged, if the
-    /// errors cannot be replaced.
+    /// bound needs the coordinate of the first joint.
     pub fn replace(
         screws: &Screws,
         evaluator: &ErrorEvaluator,

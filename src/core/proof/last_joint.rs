@@ -49,7 +49,8 @@ pub(super) struct ToolAxisRange {
 }
 
 impl ToolAxisRange {
-    /// Returns the directions with an elevation in a range (rad). None is the range of all elevations.
+    /// Returns the directions with an elevation in a range (rad). If `range` is None, the result
+    /// contains all directions.
     pub fn of_elevations(range: Option<(f64, f64)>) -> Self {
         let (low, high) = range.unwrap_or((-FRAC_PI_2, FRAC_PI_2));
         let (down, up) = (high + FRAC_PI_2, FRAC_PI_2 - low);

@@ -29,12 +29,14 @@ const MAX_PARTS: f64 = 48.0;
 const HEIGHT_SHARE: f64 = 4.0;
 /// Largest number of placement cells ([`PlacementCell`]) that the search examines.
 const MAX_CELLS: usize = 20_000;
-/// Largest number of times that a range of height or radius is halved.
+/// Largest number of times that the range of the radius is halved.
 const MAX_LEVEL: u32 = 20;
-/// Relative gap at which the bound of a single node is accepted.
+/// Least relative gap at which the bound of a single node is accepted. If [`ProofOptions::gap`] is larger,
+/// that gap applies instead.
 const NODE_GAP: f64 = 1e-3;
 
-/// Interval that results from halving a range `level` times, with its index among all such intervals.
+/// Interval as a pair (level, index). Halving a range `level` times gives 2^level intervals of equal length,
+/// and `index` counts these intervals from 0.
 type Dyadic = (u32, u64);
 
 /// Set of placements of the nodes, with a lower bound of the combined value.

@@ -41,8 +41,8 @@ pub(super) struct Task<'a> {
     ///
     /// This upper bound is subtracted from the lower bound of the value.
     lost: f64,
-    /// Rotations of joints by one unit of each elastic error source. The field `factor` of each rotation is
-    /// an upper bound of its angle over all postures.
+    /// Rotations of joints that one unit of each elastic error source causes. The field `factor` of each
+    /// rotation is an upper bound of its angle over all postures.
     deflections: Vec<ScrewMotion>,
     pub constraints: Vec<Constraint>,
     /// Errors after the last joint, if this joint needs no coordinate in the boxes.

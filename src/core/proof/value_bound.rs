@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
-//! worst-case    the corner s that is farthest at c is a corner at every posture
+//! worst-case    the value at every posture is at least |e| at the corner s that is worst at c
 //! statistical   e ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound.
 //!               G has the effects as columns, S = G G^T and A = d(quantity^2)/dS at c:
 //!               quantity >= <A G_c, G> / quantity_c  (rms: A = 1)
@@ -278,9 +278,9 @@ fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
 /// `quantity(S)` is the quantity of the norm of a normal vector with mean zero and covariance S. Returns None
 /// if `covariance` is zero. The matrix is slightly reduced, by a margin for the error of numeric derivatives.
 ///
-/// Let `<A, S>` be the sum of the products of corresponding entries. For the RMS, and for percentiles under the
-/// convexity assumption of this module, `<A, S> <= quantity(S)^2` for every S. For the mean, this inequality
-/// does not hold for every S.
+/// Let `<A, S>` be the sum of the products of corresponding entries. For the RMS, and for percentiles under
+/// the convexity assumption of this module, `<A, S> <= quantity(S)^2` for every S. For the mean, this
+/// inequality does not hold for every S.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {

@@ -15,7 +15,7 @@ const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// The search skips scanned joint values with a [`Gap::limits`] (rad, m or cosine) above this value.
+/// The search skips a scanned joint value if its [`Gap::limits`] exceeds this constant, in the same units.
 ///
 /// A larger violation is not expected to vanish within one step of the scan.
 const HOPELESS: f64 = 0.5;

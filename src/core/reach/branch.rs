@@ -7,7 +7,7 @@ use crate::robot::Posture;
 /// Bits of a branch index that hold the attitude index for a redundant arm.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
-/// Position of the lowest bit of a branch index that holds the lattice number of the redundant joint.
+/// Bit of a branch index at which the lattice number of the redundant joint begins.
 const SAMPLE_SHIFT: u32 = 16;
 
 /// Returns the attitude index that a branch index of a redundant arm holds.
@@ -51,7 +51,11 @@ pub enum Cost {
 pub struct Gap {
     /// Distance to the nearest reachable point, m; 0 if a branch exists.
     pub reach: f64,
-    /// Least violation of joint limits and attitude over all branches, in mixed units (m, rad, cosine).
+    /// Least violation of joint limits and attitude over all branches.
+    ///
+    /// The violation is a sum in mixed units. A prismatic joint adds a length (m), and a revolute joint adds
+    /// a difference of cosines. The attitude adds an angle (rad). The numeric solver instead adds the
+    /// position error (m) and the orientation error (rad) of its best attempt.
     ///
     /// The value is 0 if a branch violates neither, or if the target is out of reach.
     pub limits: f64,

@@ -8,14 +8,15 @@ use crate::cell::JointKind;
 /// Range of one revolute joint as a cone of unit vectors.
 ///
 /// Every angle is written as a complex number of length 1, so a division subtracts angles. Let `theta_i` be
-/// the D-H angle of joint i, and `a_i` the coordinate of its actuator. Then `a_i` is `theta_i` divided by
-/// `a_j^factor` for every joint j that drives joint i. Here `factor` is the coupling factor from joint j to
-/// joint i. The axis of the cone includes the D-H offsets of all these joints.
+/// the D-H angle of joint i, and `a_i` the coordinate of its actuator plus an offset `o_i`. Then `a_i` is
+/// `theta_i` divided by `a_j^factor` for every joint j that drives joint i. Here `factor` is the coupling
+/// factor from joint j to joint i. The offset `o_i` is `theta_i` at coordinate 0, minus `factor * o_j` for
+/// every joint j.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.
     ///
-    /// The angle is the middle of the range, shifted by the D-H offsets of this joint and its driving joints.
+    /// The angle is the middle of the range plus the offset `o_i` of the joint (see [`LimitCone`]).
     pub axis: (f64, f64),
     /// Cosine of half the width of the range; -2 if every angle is allowed.
     pub cos_half: f64,

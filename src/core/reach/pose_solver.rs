@@ -1,6 +1,6 @@
 //! Solvers for a given pose of the last D-H frame.
 //!
-//! The chain belongs to a known family, nearly belongs to one, or has any six revolute axes.
+//! The chain belongs to a known family, nearly belongs to one, or has six revolute axes in any position.
 
 use super::exact_solver::ExactSolver;
 use super::general_six_axes::GeneralSixAxes;

@@ -25,8 +25,8 @@ pub(super) struct HeldTarget<'a> {
 impl Inverse {
     /// Returns the index of the branch after a motion of the redundant joint.
     ///
-    /// The motion is `share` times the distance between two sampled values, rounded to the lattice of the
-    /// joint.
+    /// The motion is `share` times the distance between neighbouring sampled values. The motion is rounded to
+    /// whole lattice steps of the joint.
     ///
     /// Returns None if the arm has no redundant joint, or if the new value lies outside the range of the
     /// joint.

@@ -10,7 +10,7 @@ use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// Lowest bits of the branch index of a rolling planar arm, which do not depend on the spin.
+/// Bits of a branch index that do not depend on the spin, for a planar arm with a roll axis.
 const PLANAR_BITS: u64 = 63;
 
 impl Inverse {
@@ -32,9 +32,9 @@ impl Inverse {
     /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
     /// argument of `found` is the branch index of the first member.
     ///
-    /// Returns false for a redundant arm if none of the families found has a usable member. The target may
-    /// still have usable branches, which [`Self::visit`] finds between the sampled values of the redundant
-    /// joint.
+    /// For a redundant arm, returns whether any family found has a usable member. If the result is false,
+    /// [`Self::visit`] may still find usable branches between the sampled values of the redundant joint. For
+    /// the numeric solver, which has no families, returns false. For all other arms, returns true.
     pub fn visit_families(
         &self,
         target: &Vector3<f64>,

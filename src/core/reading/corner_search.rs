@@ -28,11 +28,11 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
 /// The sizes of the errors at these two corners differ only by terms of even order. If the sources have
-/// means, the mean also has a sign. Signs with a negative sign of the mean stand for the reversed signs. Both
-/// starts are then the same corner of the box. The search flips one sign
-/// alone, the signs of all parallel columns together, or the signs of two columns. A column is the linear
-/// effect of one source or of the mean. A flip is tried only if it changes the linear error by no more than a
-/// threshold. The threshold is the largest of three values:
+/// means, the linear effect of all means together is one more column with a sign. If this sign is negative,
+/// the error is computed with all signs reversed. So with means, both starts are the same corner of the box.
+/// The search flips one sign alone, the signs of all parallel columns together, or the signs of two columns.
+/// A column is the linear effect of one source or of the mean. A flip is tried only if it changes the linear
+/// error by no more than a threshold. The threshold is the largest of three values:
 ///
 /// - `quadratic`, an estimate of the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;

@@ -205,7 +205,11 @@ impl ErrorSource {
     }
 }
 
-/// Returns whether a parameter describes a part after the last joint (on the tool side).
+/// Returns whether the effect of a parameter on the TCP may change when the last joint rotates the tool.
+///
+/// Errors of the last link after its joint and errors of the tool rotate with the tool. The last joint also
+/// changes the levers of the last link, its own periodic error, and the gravity torques. So the result is
+/// true for these elastic terms, this periodic error, and the compliance of every joint.
 pub fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,

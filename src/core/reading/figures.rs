@@ -22,8 +22,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the figures of a signed sample. All figures except the error are infinite, because the sample
-    /// has neither a worst case nor statistics.
+    /// Returns the figures of a signed sample whose errors compensate each other. All figures except the
+    /// error are infinite, because such a sample has neither a worst case nor statistics.
     pub fn of_sample(error: f64) -> Self {
         let [worst_linear, worst, rms, mean, p95, p99] = [f64::INFINITY; 6];
         Self { error, worst_linear, worst, rms, mean, p95, p99 }
@@ -68,7 +68,7 @@ pub struct PostureErrors {
     pub second_order: Displacement,
     /// Figures of each sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,
-    /// Probability that the size of the error does not exceed the limit; None for an operation without a
-    /// limit.
+    /// Probability that the size of the error does not exceed the limit. None without a limit, or if the
+    /// errors are not tolerances ([`super::ErrorEvaluator::has_tolerances`]).
     pub success: Option<f64>,
 }

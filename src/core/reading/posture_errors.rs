@@ -18,7 +18,8 @@ impl ErrorEvaluator {
         self.reading != Reading::Signed || !self.errors_compensate
     }
 
-    /// Returns the error figures of a signed sample. A signed sample has neither a worst case nor statistics.
+    /// Returns the error figures of a signed sample whose errors compensate each other. Such a sample has
+    /// neither a worst case nor statistics.
     fn judge_sample(
         &self,
         context: &WorkContext,

@@ -55,7 +55,8 @@ impl MovableBody {
 /// in any direction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
-    /// The piece reaches an end of the range of a search variable.
+    /// The piece reaches an end of the range of a search variable. This is also the value if the
+    /// computation finds no reason.
     Range,
     /// The piece reaches the edge of the window that is examined around the found placement.
     Window,
@@ -157,7 +158,8 @@ pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut Hel
     room
 }
 
-/// Returns whether x or y of the robot base or of any equipment has a range. A list of values does not count.
+/// Returns whether x or y of the robot base or of any equipment has a range. A list of values does not count
+/// as a range.
 pub fn can_move(cell: &Cell) -> bool {
     let in_plan = |c: &[Coordinate; 4]| c[..2].iter().any(|c| matches!(c, Coordinate::Range { .. }));
     in_plan(&cell.base) || cell.equipment.iter().any(|e| in_plan(&e.placement))

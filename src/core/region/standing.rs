@@ -10,7 +10,7 @@ use crate::geometry::PlanePoint;
 use crate::layout::{Workcell, Workspace, evaluate_in};
 use crate::units::m_from_mm;
 
-/// Largest displacement that is examined for a piece that the search does not place, mm.
+/// Largest displacement that is examined along x or y if this coordinate has no range in the cell file, mm.
 const WINDOW_MM: f64 = 1000.0;
 /// Number of spacings of the lattice along the longer side of the domain. [`REFINED`] multiplies this number
 /// for a refined outline.

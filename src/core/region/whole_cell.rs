@@ -1,5 +1,5 @@
-//! Rotation about the base axis of the equipment whose x, y and yaw have ranges, with all equipment that it
-//! carries.
+//! Rotation of equipment about the base axis. The rotated pieces have ranges of x, y and yaw, or stand on
+//! such a piece.
 //!
 //! The base axis is the vertical line through the origin of the robot base. The errors may change, for
 //! example if the base frame has an error. The objective grows by at most the indifference, and the layout
@@ -21,7 +21,8 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason that limits the smaller of the rotations in the two directions.
+    /// Reason that limits the rotation in the direction that permits the smaller angle. If both angles are
+    /// equal, the reason belongs to the negative direction.
     pub ended: RoomEnd,
 }
 

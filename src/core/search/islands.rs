@@ -39,7 +39,8 @@ pub struct Island {
 pub struct IslandLayout {
     pub layout: Layout,
     pub cost: f64,
-    /// Losses in the goals of a Pareto search, as in its front; otherwise empty.
+    /// Loss in each goal of a Pareto search, rounded like the losses in the front. The list is empty for any
+    /// other search.
     pub losses: Vec<f64>,
 }
 

@@ -138,7 +138,7 @@ impl Record {
         enough.zip(self.best()).is_some_and(|(enough, best)| best <= enough)
     }
 
-    /// Returns whether the length of the longest series of evaluations without improvement has reached the
+    /// Returns whether the longest series of evaluations without significant improvement has reached the
     /// limit of the stopping rules.
     pub fn has_stagnated(&self, stopping: &Stopping) -> bool {
         stopping.stagnation.is_some_and(|n| self.stillness >= n)

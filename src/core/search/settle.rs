@@ -6,7 +6,7 @@
 //! layouts ([`estimated_room`]), and polls of the neighbours follow. The result is the layout with the most
 //! clearance among the layouts with nearly the most room.
 //!
-//! The phase is a pure function of cell, settings and best layout, so a resumed search repeats it.
+//! The phase is a pure function of cell, settings, best layout and bound, so a resumed search repeats it.
 
 use super::cma_es::CmaEs;
 use super::problem::Watch;
@@ -68,13 +68,17 @@ struct RoomState {
     most: f64,
 }
 
-/// Returns a layout with nearly the most room among the layouts with nearly the least objective. Among
+/// Returns a layout with nearly the most room among the usable layouts that this phase evaluates. Among
 /// several such layouts, the function returns the layout with the most clearance.
 ///
+/// A usable layout is feasible, is within every limit, and has nearly the least objective. Only the layouts
+/// with the largest estimated rooms are compared accurately.
+///
 /// `best` is the point with the least objective, `least`. `bound`, if given, is a further upper limit of the
-/// objective. The result is None if the cell requests an ideal layout or a Pareto search. The result is also
-/// None for an indifference of 0, and if no piece can move in plan. The result is also None if no point is
-/// usable, or if the observer stops the search.
+/// objective. A bound below `least` counts as `least`. The result is None if the cell requests an ideal
+/// layout, or if `settings` request a Pareto search. The result is also None if the indifference is 0 or
+/// less, or if no piece has a range for x or y. The result is also None if no evaluated layout is usable, or
+/// if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

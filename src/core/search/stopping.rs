@@ -24,7 +24,8 @@ pub enum SearchEnd {
     Done,
     /// The best layout is within the requested gap to the proven bound.
     Gap,
-    /// No better layout was found for the requested number of evaluations.
+    /// The requested number of evaluations brought no significant improvement. A significant improvement
+    /// lowers the cost by more than 1e-6 of the cost, or adds a member to the Pareto front.
     Stagnation,
     /// The search was interrupted.
     Interrupted,

@@ -95,8 +95,8 @@ struct BlockWalk<'d> {
 }
 
 impl BlockWalk<'_> {
-    /// Adds the shapes of entities. Inside a block, an entity on layer 0 belongs to the layer of the insert,
-    /// `inherited`.
+    /// Adds the shapes of entities. Inside a block, an entity on layer 0 belongs to `inherited`, the layer of
+    /// the insert.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };
         for entity in all {

@@ -82,8 +82,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Returns which quantities the file states. [`Cell::assuming`] can assume values for the other quantities,
-/// unless the cell requests an ideal layout.
+/// Returns which quantities the file states. [`Cell::assuming`] may assume values for the other quantities if
+/// `ideal` is false.
 fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
     let [turn_margin, slide_margin, singularity] =

@@ -210,7 +210,7 @@ fn read_names(items: &[Node], parameters: &[CostedParameter], t: &mut Table) -> 
             continue;
         };
         if parameters[place].plus_minus <= 0.0 {
-            let message = format!("`{name}` has no tolerance of its own, so it has no cost");
+            let message = format!("`{name}` has no plus-or-minus value above 0, so it has no cost");
             t.error(item.at, message, "leave it out, or give it a plus-or-minus value");
         } else if places.contains(&place) {
             t.error(item.at, format!("`{name}` is named twice"), "remove one of the two");

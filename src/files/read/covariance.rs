@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reads `covariance`.
 ///
-/// `values` are the plus-or-minus values of all parameters. The values of the parameters in the covariance
-/// must be 0.
+/// `values` are the plus-or-minus values of all parameters. In `values`, every parameter of the covariance
+/// must have the value 0.
 pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
     let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
     let items = names.and_then(|names| items_of(names, arm, t))?;
@@ -244,8 +244,10 @@ impl<'n> Matrix<'n> {
             "`matrix` is not a covariance: its correlation matrix has the eigenvalue {}",
             plain(units::rounded(value, 9))
         );
-        let help =
-            format!("no eigenvalue may be negative: write all digits, and check {} first", listed(first));
+        let help = format!(
+            "no eigenvalue may be negative: write every entry with all its digits, and check {} first",
+            listed(first)
+        );
         t.error(self.node.at, message, help);
         None
     }

@@ -76,8 +76,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
         t.error(
             node.at,
             message,
-            "remove this row, and compute the adjacent rows and the tool without it; \
-             if it is row 1, use a URDF with a fixed joint",
+            "compute a D-H table without this joint, or use a URDF in which this joint is fixed",
         );
     }
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))

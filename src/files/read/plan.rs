@@ -176,7 +176,7 @@ fn unit_of(
         ),
         (None, None, _) => (
             format!("the header of `{path}` does not state the unit of the drawing ($INSUNITS)"),
-            "add units = \"mm\" to the plan, or one of: mm, cm, m, inch, foot".to_string(),
+            "add units = \"mm\" or \"cm\" or \"m\" or \"inch\" or \"foot\" to the plan".to_string(),
         ),
     };
     t.error(file.at, message, help);

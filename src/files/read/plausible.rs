@@ -51,7 +51,10 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
         && let Some(all) = side(first)
         && standing.iter().all(|thing| side(thing) == Some(all))
     {
-        let message = format!("everything in the cell measures {all} the reach of the robot ({reach_mm} mm)");
+        let message = format!(
+            "each piece of equipment, obstacle and keep-out box measures {all} the reach of the robot \
+             ({reach_mm} mm)"
+        );
         lib.fault(robot, Severity::Warning, message, "are the lengths of the robot really in mm?");
         return;
     }

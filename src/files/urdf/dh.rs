@@ -51,8 +51,8 @@ pub struct Derived {
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
     /// Largest difference, m, between the tip poses of the rows and of the URDF over sampled postures. The
-    /// Frobenius norm of the difference of the rotation matrices counts as a length in m. For a small angle,
-    /// this is 1.4 m per rad.
+    /// Frobenius norm of the difference of the rotation matrices counts as a length in m. A rotation by a
+    /// small angle counts as 1.4 m per rad.
     pub gap: f64,
 }
 
@@ -92,7 +92,7 @@ pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
     model.rounded(best.unwrap_or_else(|| model.rows(MAX_ROUNDING)))
 }
 
-/// Returns the angle between two axes as lines, in [0, pi/2], rad.
+/// Returns the angle between two axes, in [0, pi/2], rad. A reversed axis gives the same angle.
 pub fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b).abs())
 }
@@ -232,8 +232,8 @@ fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
 }
 
-/// Returns sine and cosine of an angle. Magnitudes below 1e-15 become 0, as for the twists of the kinematic
-/// chain.
+/// Returns sine and cosine of an angle. Magnitudes below 1e-15 become 0. The kinematic chain treats its
+/// twists in the same way.
 fn exact(angle: f64) -> (f64, f64) {
     let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
     (zero(angle.sin()), zero(angle.cos()))

@@ -14,7 +14,7 @@ const HEIGHT: f64 = 300.0;
 /// The axis is logarithmic if the ratio of the greatest to the least objective is above this value.
 const LOGARITHMIC_SPAN: f64 = 30.0;
 
-/// Convergence history of a search; objectives in m, rad or shares.
+/// Convergence history of a search. Objectives are in m or rad, or are costs or shares of failures.
 pub struct ConvergenceHistory<'a> {
     /// Number of evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],

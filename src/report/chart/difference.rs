@@ -21,8 +21,8 @@ const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
 const STEPS: usize = 24;
 
 /// Draws the nodes of an operation in the frame of its equipment. Blue nodes have less error in the layout
-/// `names.1` than in `names.0`; orange nodes have more. The scale goes from `-most` to `most` (m, rad or a
-/// share).
+/// `names.1` than in `names.0`; orange nodes have more. The scale goes from `-most` to `most`. These
+/// values are in m or rad, or are costs or shares of failures.
 pub fn difference(cell: &Cell, d: &OperationDifference, names: (&str, &str), most: f64) -> String {
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);

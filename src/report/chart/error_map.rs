@@ -165,7 +165,7 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
     }
 
-    /// Returns the factor by which the arrows are longer than their errors at the scale of the picture.
+    /// Returns the factor by which the errors are enlarged relative to the scale of the plan.
     /// The longest arrow has about the length [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
         let errors =

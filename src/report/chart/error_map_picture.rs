@@ -23,7 +23,7 @@ pub(super) struct ErrorMapPicture<'a> {
 pub(super) struct MapScales {
     /// Ends of the colour scale in the unit of the objective.
     pub range: (f64, f64),
-    /// Factor by which the arrows are longer than their errors at the scale of the picture.
+    /// Factor by which the errors are enlarged relative to the scale of the plan.
     pub enlarged: f64,
     /// Names of the operations that share each drawn outline of the reach.
     pub reach: Vec<String>,

@@ -22,11 +22,13 @@ const HEIGHT: f64 = 150.0;
 /// again.
 const INKS: [Ink; 5] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Purple, Ink::Vermilion];
 
-/// Dot of a panel: joint coordinate in degrees or mm, distance in mm, and index of the table of measured
-/// positions.
+/// Dot of a panel for one measured position.
 struct JointDot {
+    /// Joint coordinate, degrees or mm.
     coordinate: f64,
+    /// Distance of the measured position from the prediction, mm.
     distance: f64,
+    /// Index of the table of measured positions.
     table: usize,
 }
 

@@ -15,7 +15,8 @@ const MAX_ARROWS: usize = 400;
 const LEFT: f64 = 66.0;
 /// Largest height of a panel, px.
 const TALLEST: f64 = 600.0;
-/// Greatest length of at least 95 % of the arrows, px. The other arrows may be longer, and are drawn in full.
+/// Length that at least 95 % of the arrows do not exceed, px. The other arrows may be longer, and are drawn
+/// in full.
 const LONG_ARROW: f64 = 40.0;
 /// Margin round the positions, as a share of the longer side of their bounding rectangle.
 const SURROUNDINGS: f64 = 0.08;

@@ -41,8 +41,8 @@ const LAYERS: [(&str, u16); 19] = [
     (VIEWPORT, 8),
 ];
 
-/// Largest number of faces with which the layer of the faces is not frozen. CAD programs draw more faces
-/// slowly.
+/// Largest number of faces with which the layer of the faces is not frozen. CAD programs draw a larger number
+/// of faces slowly.
 const MANY_FACES: usize = 2000;
 
 /// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if

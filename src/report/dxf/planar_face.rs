@@ -110,8 +110,8 @@ impl PlanarFace {
     }
 }
 
-/// Appends the records of the coedges, edges, vertices, curves and points of a loop, whose record has the
-/// number `own`.
+/// Appends the records of the coedges, edges, vertices, curves and points of a loop. The record of the loop
+/// itself has the number `own`.
 fn loop_records(ring: &[Vector2<f64>], z: f64, own: usize, lines: &mut Vec<String>) {
     let n = ring.len();
     let [coedge, edge, vertex, curve, point] = [0, 1, 2, 3, 4].map(|kind| own + 1 + kind * n);

@@ -2,8 +2,8 @@
 //! report is one file of HTML that needs no network.
 //!
 //! The sections of a page are plain data made from a [`Subject`], and one template renders them. The
-//! Content-Security-Policy allows only scripts and styles with known hashes. A script that is hidden in a
-//! name of a cell file therefore never runs.
+//! Content-Security-Policy allows only scripts and styles with known hashes. A cell file may
+//! contain a name with a hidden script, but this script never runs.
 
 mod allocated;
 pub mod assets;

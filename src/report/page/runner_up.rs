@@ -62,7 +62,8 @@ const MAX_CERTIFIED: usize = 32;
 
 /// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.
 ///
-/// If the layout is certified, the node is certified, too. At most [`MAX_CERTIFIED`] nodes are tried.
+/// If a certificate of the layout was computed, the operation must be certified at the node, too. At most
+/// [`MAX_CERTIFIED`] nodes are tried.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
     let mut others: Vec<_> = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched).collect();

@@ -1,4 +1,4 @@
-//! Tables of a report set for paper: widths of the columns, lines of the cells.
+//! Tables of a printed report: widths of the columns, lines of the cells.
 
 use crate::report::chart::words;
 use crate::report::page::PageTable;
@@ -76,7 +76,7 @@ impl TypesetTable {
         self.height(&self.rows[row])
     }
 
-    /// Returns the height of the head with the first rows, which stay together, mm.
+    /// Returns the height of the head and the first two rows, mm. These rows stay with the head.
     pub fn least_height(&self) -> f64 {
         self.height(&self.head) + self.rows.iter().take(2).map(|row| self.height(row)).sum::<f64>()
     }

@@ -97,7 +97,7 @@ pub fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field)
     );
 }
 
-/// Draws the regions in plan in which the frame origin of each piece may be.
+/// Draws the region of each piece in plan: the places where the origin of its frame may be.
 pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     let rings = drawing.regions.iter().flat_map(|region| &region.rings);
     let outline: String =

@@ -37,8 +37,8 @@ pub struct BlockEntries<'a> {
     pub notes: Vec<String>,
 }
 
-/// Field of the title block: place, label and text. The numbers of the place are left and top, from
-/// the upper left corner of the block, then width and height, mm.
+/// Field of the title block: place, label and text. The place is x and y of the upper left corner, then width
+/// and height, mm. The origin is the upper left corner of the block, and y points down.
 pub type BlockField = ([f64; 4], &'static str, String);
 
 /// Returns the title of the drawings of a cell.

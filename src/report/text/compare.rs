@@ -102,7 +102,7 @@ fn placement_rows(table: &mut TextTable, name: &str, columns: &[Assessment<'_>])
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
 
-/// Adds the placement of the robot base, if a layout may move the base.
+/// Adds the placement of the robot base, if the search may move the base in the cell of a layout.
 fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     if !columns.iter().any(|c| c.cell.base.iter().any(Coordinate::is_free)) {
         return;
@@ -113,7 +113,7 @@ fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()));
 }
 
-/// Adds the angles of the tool orientation that a layout may change.
+/// Adds a row for each attitude angle that the search may change in the cell of a layout.
 fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     for (angle, word) in ["bend deg", "azimuth deg", "spin deg"].into_iter().enumerate() {
         let is_free =

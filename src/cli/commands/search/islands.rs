@@ -1,6 +1,6 @@
-//! Search with several successive seeds, the islands. The islands are the combinations of a sweep over the
-//! seed, in the folder `islands` of the result. When no island is missing, the islands are merged into the
-//! result of one search.
+//! Search with several successive seeds. The search with one of these seeds is an island. The islands are the
+//! combinations of a sweep over the seed, in the folder `islands` of the result. When no island is missing,
+//! the islands are merged into the result of one search.
 
 use super::outcome::SearchOutcome;
 use super::session::{proven, threads};

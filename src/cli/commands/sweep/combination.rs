@@ -61,8 +61,8 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
     Ok(true)
 }
 
-/// Proves the lower bound and then searches, as `search` does, or continues from the checkpoint. Returns None
-/// if the sweep is stopped.
+/// Searches from the beginning, or continues from the checkpoint. Proves the lower bound first, unless the
+/// sweep or the checkpoint already contains it. Returns None if the sweep is stopped.
 fn searched(
     workcell: &Workcell,
     sweep: &CheckedSweep,

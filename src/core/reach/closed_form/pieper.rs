@@ -18,7 +18,7 @@ pub(in crate::reach) struct PointForms {
     pub kinds: [JointKind; 3],
     /// Cosine and sine of alpha_1, the D-H twist between axes 1 and 2.
     pub twist1: Angle,
-    /// Cosine and sine of theta_1 and of theta_2 while the coordinates of joints 1 and 2 are 0.
+    /// Cosine and sine of theta_1 and of theta_2 at joint coordinate 0.
     pub zero: [Angle; 2],
     pub l1: f64,
     /// Coordinate x of the point in frame 1 rotated by theta_2 about its z axis.

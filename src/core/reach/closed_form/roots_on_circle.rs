@@ -44,9 +44,10 @@ const MAX_SLOW_STEPS: usize = 3;
 pub(super) struct CircleValues {
     /// Value of each function; NaN if the function does not exist.
     pub functions: [f64; COUNT],
-    /// Two coordinates of a curve in space, for each function. The function value is the third coordinate.
+    /// Two coordinates of a point for each function. The angle moves this point along a curve in space.
     ///
-    /// A large change of these coordinates shows that the curve moves far between two angles.
+    /// The third coordinate of the point is the function value plus a constant. A large change of the two
+    /// coordinates shows that the point moves far between two angles.
     pub aside: [(f64, f64); COUNT],
     /// Measure of the distance to an angle at which a function exists; 0 if a function exists here.
     pub gap: f64,

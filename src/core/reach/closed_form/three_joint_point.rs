@@ -108,7 +108,7 @@ impl ThreeJointPoint {
         about_third + second.l.abs() + about_third.hypot(along_third)
     }
 
-    /// Returns the least distance from the point to `p`, m, and the joints at that distance.
+    /// Returns the least distance from the point to `p` (m), and the D-H variables that give this distance.
     ///
     /// The function starts [`Self::approached`] from the best postures of a grid.
     pub fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
@@ -144,8 +144,8 @@ impl ThreeJointPoint {
         joints
     }
 
-    /// Moves the point towards `p` by Newton's method with damping; returns the remaining distance, m, and
-    /// the joints.
+    /// Moves the point towards `p` by Newton's method with damping. Returns the remaining distance (m) and
+    /// the D-H variables of the final posture.
     ///
     /// The Hessian matrix of half the squared distance includes the curvature of the point's path. For a
     /// target far out of reach, the method therefore needs few steps, unlike a method that uses only the

@@ -27,7 +27,9 @@ pub(in crate::reach) struct ThreeJoints {
     forms: PointForms,
     r1: f64,
     point: ThreeJointPoint,
-    /// Table of distances; None if a joint is prismatic.
+    /// Table of lower bounds of the distance from a target to the reachable points.
+    ///
+    /// The field is None if a joint is prismatic.
     section: Option<Arc<ReachSection>>,
 }
 
@@ -137,7 +139,7 @@ impl ThreeJoints {
         self.section.as_ref().map_or(0.0, |section| section.bound(p))
     }
 
-    /// Returns the least distance of the point from `p`, m, and the joints at that distance.
+    /// Returns the least distance of the point from `p` (m), and the D-H variables that give this distance.
     fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
         let Some(section) = &self.section else { return self.point.nearest(p) };
         let approached = section.starts(&self.point, p).map(|mut joints| {

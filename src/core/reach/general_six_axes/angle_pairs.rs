@@ -5,9 +5,10 @@
 //! The twelve unknowns are the products `ccc`, `ccs`, `css`, `sss` of angle 3, each times `cc`, `cs`, `ss` of
 //! angle 4. Here `c` and `s` are the cosine and the sine of half an angle. At a simple root, the null space
 //! is one vector, and ratios of its entries give the angles. Several solutions can share angle 2. The null
-//! space then has one vector per solution. A matrix maps the first nine products of these vectors to the last
-//! nine. The eigenvalues of this matrix are the tangents of half of angle 3. Before this step, the
-//! code adds `HALF_ROTATION` to the half angles. So the tangent is finite at 180 degrees.
+//! space then has one vector per solution. Let these vectors be the columns of V, with one row per product.
+//! The first nine rows of V, multiplied by a square matrix from the right, give the last nine rows. The
+//! eigenvalues of this matrix are the tangents of half of angle 3. Beforehand, the code adds `HALF_ROTATION`
+//! to half of angle 3. This rotation keeps the tangent finite if angle 3 is 180 degrees.
 
 use super::elimination::triangulate;
 use super::half_angle_equations::{HalfAngleRows, half_angle_terms, residual};
@@ -29,9 +30,10 @@ const HALF_ROTATION: f64 = 0.7;
 /// The size is 1 plus the absolute value of the real part.
 const NEARLY_REAL: f64 = 0.1;
 
-/// Two eigenvalues count as equal if their real parts differ by less than this share of the later one's size.
+/// Two eigenvalues count as equal if the difference of their real parts is below this share of a size.
 ///
-/// [`NEARLY_REAL`] defines the size. The imaginary parts are not compared.
+/// The size is that of the eigenvalue with the greater index. [`NEARLY_REAL`] defines the size. The imaginary
+/// parts are not compared.
 const SAME_EIGENVALUE: f64 = 1e-4;
 
 /// Accuracy with which the eigenvalues are computed.

@@ -20,7 +20,7 @@ const COSINES: [f64; 7] = [
     0.0,
 ];
 
-/// Rounding error of a value, as a share of the sum of all coefficients.
+/// Rounding error of a value of the polynomial, as a share of the sum of the absolute coefficients.
 const ROUNDING: f64 = 1e-16;
 
 /// The roots of a polynomial are not defined if the noise is above this share of the greatest coefficient.
@@ -88,7 +88,7 @@ impl CirclePolynomial {
         self.least_sample
     }
 
-    /// Returns the rounding error of a value.
+    /// Returns the estimated rounding error of a value of the polynomial.
     pub fn noise(&self) -> f64 {
         self.noise
     }

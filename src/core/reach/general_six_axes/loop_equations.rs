@@ -117,8 +117,8 @@ impl OuterSide {
 
     /// Calls `found` with all six angles of the loop (rad) that belong to given angles 2, 3 and 4.
     ///
-    /// Angle 0 is the least-squares solution of the six equations without angle 1. The angles need not solve
-    /// the equations exactly.
+    /// Angle 0 is the least-squares solution of the six equations without angle 1. The given angles may be
+    /// approximate. The six angles then solve the equations only approximately.
     pub fn complete(&self, links: &[Pose; 6], inner: [f64; 3], found: &mut impl FnMut([f64; 6])) {
         let between = inner
             .iter()

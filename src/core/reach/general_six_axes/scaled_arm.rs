@@ -11,8 +11,8 @@ const POSE_ERROR: f64 = 1e-11;
 /// Error (rad and units of the arm's length) that is due to rounding. Newton's method ends below this error.
 const EXACT: f64 = 1e-13;
 
-/// Share of the error that remains after a step. Once the pose is reached, Newton's method ends if a step
-/// leaves a larger share.
+/// Largest share of the error that remains after a useful step. Once the pose is reached, Newton's method
+/// ends if a step leaves a larger share.
 const PROGRESS: f64 = 0.01;
 
 /// Largest error of a pose, rad and in units of the arm's length, at which Newton's method continues.

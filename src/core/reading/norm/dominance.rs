@@ -20,7 +20,7 @@ impl Dominance {
     /// Returns two shares of the parameter with the effect `g`. The first share is the share in the variance
     /// of the error. The second share is the share in the variance of the component along `g`.
     ///
-    /// The second share is 1 for a parameter that alone varies the error in its direction.
+    /// The second share is 1 if all other effects are perpendicular to `g`.
     pub fn shares(&self, g: &Vector6<f64>) -> (f64, f64) {
         let m = 0..self.m;
         let own: f64 = m.clone().map(|i| g[i] * g[i]).sum();

@@ -86,8 +86,8 @@ impl<'a> NormLaw<'a> {
 /// The first estimate is `sum_k |gamma_k| |g_k|^4 / (sum_k |g_k|^2)^2`, where parameter k has the effect
 /// `g_k` and the excess kurtosis `gamma_k`.
 ///
-/// The second estimate ([`excess_of_lone`]) is large if a parameter alone varies the error in its direction.
-/// Small norms depend mainly on the component of the error in this direction.
+/// The second estimate ([`excess_of_lone`]) rises if the effect of a parameter is perpendicular to all other
+/// effects. Small norms then depend mainly on the component of the error along this effect.
 ///
 /// The third estimate is the absolute excess kurtosis of the component of the error along the mean. This
 /// estimate counts only if the mean is large, because the norm then depends mainly on this component.

@@ -25,10 +25,9 @@ const MAX_OWN: usize = COORDINATES - 6;
 /// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum.
 const MAX_REST_EXCESS: f64 = 0.008;
 
-/// Factor in [`weight`] for a parameter that alone varies the error in its direction.
+/// Factor in [`weight`] for a parameter whose effect is perpendicular to all other effects.
 ///
-/// The factor multiplies the standard deviation of the parameter divided by the standard deviation of the
-/// error.
+/// The factor multiplies the size of this effect divided by the standard deviation of the error.
 const THIN_WEIGHT: f64 = 0.5;
 
 /// Random term of an error: `effect` times a function of a random variable z.
@@ -101,9 +100,9 @@ fn take_dominating(
 /// `share` is the share of the parameter in the variance of the error. `alone` is its share in the variance
 /// along its own effect.
 ///
-/// The result is at least `share^2`. If `alone` is 1, only this parameter varies the error in its direction.
-/// Then the probabilities of small norms depend on this parameter in proportion to its standard deviation.
-/// `sqrt(share)` is the standard deviation of the parameter divided by the standard deviation of the error.
+/// The result is at least `share^2`. If `alone` is 1, all other effects are perpendicular to the effect of
+/// this parameter. Then its influence on the probabilities of small norms is proportional to `sqrt(share)`.
+/// This root is the size of the effect divided by the standard deviation of the error.
 fn weight((share, alone): (f64, f64)) -> f64 {
     (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
 }
