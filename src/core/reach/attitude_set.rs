@@ -41,7 +41,11 @@ pub struct AttitudeSet {
     pub(super) azimuth_is_free: bool,
     /// Azimuth, rad, from which the spin angles of a vertical tool are measured.
     pub(super) zero: f64,
+    /// Cosine and sine of `zero`.
+    zero_direction: (f64, f64),
     pub(super) spins: Vec<f64>,
+    /// Cosine and sine of each spin.
+    pub(super) spin_directions: Vec<(f64, f64)>,
     /// Cosine and sine of the angle from the first spin to each spin.
     pub(super) spin_rotations: Vec<(f64, f64)>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
@@ -66,6 +70,7 @@ impl AttitudeSet {
         self.tolerance = attitude.tolerance;
         let turned = if self.radial { 0.0 } else { yaw };
         self.zero = turned + if let Azimuth::Surface(angle) = attitude.azimuth { angle } else { 0.0 };
+        self.zero_direction = cos_sin(self.zero);
         self.heading = match attitude.azimuth {
             Azimuth::Surface(_) if !self.vertical => Some(self.zero),
             _ => None,
@@ -81,12 +86,11 @@ impl AttitudeSet {
             Spin::Free => self.spins.extend(Attitude::free_spins()),
             Spin::At(spins) => self.spins.extend_from_slice(spins),
         }
+        self.spin_directions.clear();
+        self.spin_directions.extend(self.spins.iter().map(|spin| cos_sin(*spin)));
         self.spin_rotations.clear();
         let first = self.spins.first().copied().unwrap_or(0.0);
-        self.spin_rotations.extend(self.spins.iter().map(|spin| {
-            let (sin, cos) = exact_sin_cos(spin - first);
-            (cos, sin)
-        }));
+        self.spin_rotations.extend(self.spins.iter().map(|spin| cos_sin(spin - first)));
         self.columns.clear();
         self.spin_turns.clear();
     }
@@ -209,12 +213,14 @@ impl AttitudeSet {
     /// Returns the horizontal unit vector (x, y) from which the spin angles of a vertical tool are measured.
     #[inline]
     pub(super) fn zero_heading(&self, target: &Vector3<f64>) -> (f64, f64) {
-        if self.radial {
-            return heading_of(target);
-        }
-        let (sin, cos) = exact_sin_cos(self.zero);
-        (cos, sin)
+        if self.radial { heading_of(target) } else { self.zero_direction }
     }
+}
+
+/// Returns cosine and sine of an angle (rad).
+fn cos_sin(angle: f64) -> (f64, f64) {
+    let (sin, cos) = exact_sin_cos(angle);
+    (cos, sin)
 }
 
 /// Returns the elevations to try (rad): the nominal elevation, then this elevation minus and plus the

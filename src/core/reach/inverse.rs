@@ -368,9 +368,7 @@ impl Inverse {
     ) -> f64 {
         match &self.solver {
             ChainSolver::Planar(arm) => {
-                let moved = self.to_zero.as_ref().map(|pose| pose.transform(target));
-                let spins = &attitudes.set.spins;
-                arm.solve(moved.as_ref().unwrap_or(target), attitudes, spins, posture, found)
+                arm.solve(&self.in_frame_0(target), attitudes, attitudes.set.spins.len(), posture, found)
             }
             ChainSolver::Pose(_) => attitudes
                 .set
@@ -379,6 +377,11 @@ impl Inverse {
                 .fold(f64::INFINITY, f64::min),
             ChainSolver::Redundant(_) | ChainSolver::Numeric(_) => f64::INFINITY,
         }
+    }
+
+    /// Returns a point of the base frame in frame 0 of a planar arm, m.
+    pub(super) fn in_frame_0(&self, target: &Vector3<f64>) -> Vector3<f64> {
+        self.to_zero.as_ref().map_or(*target, |pose| pose.transform(target))
     }
 
     /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange. Also

@@ -4,14 +4,12 @@
 //! a family. Every quantity that depends only on these joints is computed once per family.
 
 use super::branch::{attitude_of, with_attitude};
+use super::closed_form::planar;
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
-
-/// Bits of a branch index that do not depend on the spin, for a planar arm with a roll axis.
-const PLANAR_BITS: u64 = 63;
 
 impl Inverse {
     /// Returns whether [`Self::visit_families`] supports this arm and these attitudes.
@@ -47,14 +45,17 @@ impl Inverse {
             |p: &Posture| self.limits.as_ref().is_none_or(|limits| limits.excess_before_last(p) == 0.0);
         match &self.solver {
             ChainSolver::Planar(arm) => {
-                let moved = self.to_zero.as_ref().map(|pose| pose.transform(target));
-                let first = &set.spins[..set.spins.len().min(1)];
-                let target = moved.as_ref().unwrap_or(target);
-                arm.solve(target, attitudes, first, scratch, &mut |index, posture: &Posture| {
-                    if keeps(posture) {
-                        found(index, posture);
-                    }
-                });
+                arm.solve(
+                    &self.in_frame_0(target),
+                    attitudes,
+                    1,
+                    scratch,
+                    &mut |index, posture: &Posture| {
+                        if keeps(posture) {
+                            found(index, posture);
+                        }
+                    },
+                );
                 true
             }
             ChainSolver::Pose(solver) => {
@@ -102,12 +103,10 @@ impl Inverse {
             }
         };
         match &self.solver {
-            ChainSolver::Planar(_) => {
-                self.solve(target, attitudes, scratch, &mut |index, posture: &Posture| {
-                    if index & PLANAR_BITS == first & PLANAR_BITS {
-                        judge(index, posture);
-                    }
-                });
+            ChainSolver::Planar(arm) => {
+                *scratch = *posture;
+                let spins = 0..attitudes.set.spins.len();
+                arm.spun(&self.in_frame_0(target), attitudes, spins, (first, scratch), judge);
             }
             ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
                 self.spin(self.attitude_of(first), attitudes, posture, &mut |k, posture| {
@@ -132,7 +131,16 @@ impl Inverse {
                 let turn = attitudes.set.spin_turns.get(self.attitude_of(branch))?;
                 Some(self.last_joint.as_ref().map_or(*first, |joint| joint.turned(first, turn)))
             }
-            ChainSolver::Planar(_) | ChainSolver::Numeric(_) => self.posture(target, attitudes, branch),
+            ChainSolver::Planar(arm) => {
+                let (mut posture, mut member) = (*first, None);
+                let spin = planar::spin_of(branch);
+                let of_family = (branch, &mut posture);
+                arm.spun(&self.in_frame_0(target), attitudes, spin..spin + 1, of_family, |_, posture| {
+                    member = Some(*posture);
+                });
+                member
+            }
+            ChainSolver::Numeric(_) => self.posture(target, attitudes, branch),
         }
     }
 

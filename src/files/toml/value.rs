@@ -77,7 +77,9 @@ pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [No
         };
         let given = node.value.count_or_kind();
         let help = match key.kind.table() {
-            Some(_) if key.example.is_empty() => format!("write each entry under its own header [[{}]]", key.name),
+            Some(_) if key.example.is_empty() => {
+                format!("write each entry under its own header [[{}]]", key.name)
+            }
             _ => format!("write for example {} = {}", key.name, key.shown_example()),
         };
         lib.error(node.at, format!("`{}` must be a list of {many}{noun}, not {given}", key.name), help);

@@ -23,6 +23,7 @@ use crate::reach::attitude_set::AttitudeSet;
 use crate::reach::tool_attitudes::{PlanarAttitude, ToolAttitudes};
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::ops::Range;
 
 /// Largest excess over 1 at which the cosine of the elbow angle still counts as 1.
 ///
@@ -33,6 +34,14 @@ pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
 /// Largest deviation of a unit vector (no unit) or of a point (m) that counts as a rounding error.
 const IN_PLACE: f64 = 1e-9;
+
+/// Bit of a branch index at which the index of the spin begins.
+const SPIN_SHIFT: u32 = 6;
+
+/// Returns the index of the spin in a branch index of a planar arm with a roll axis.
+pub(in crate::reach) fn spin_of(branch: u64) -> usize {
+    (branch >> SPIN_SHIFT) as usize
+}
 
 /// Closed form of the planar arm; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,8 +167,7 @@ impl PlanarArm {
     /// two attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from
     /// 6 on hold the index of the spin.
     ///
-    /// `spins` (rad) is the list of spins in `attitudes`, or the beginning of this list. An arm without a
-    /// roll axis ignores `spins`.
+    /// Only the first `spins` spins of `attitudes` are used. An arm without a roll axis ignores `spins`.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
@@ -167,7 +175,7 @@ impl PlanarArm {
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        spins: &[f64],
+        spins: usize,
         posture: &mut Posture,
         found: &mut impl FnMut(u64, &Posture),
     ) -> f64 {
@@ -210,14 +218,36 @@ impl PlanarArm {
                     let index = (w as u64) << 2 | back | elbow;
                     match &self.roll {
                         None => found(index, posture),
-                        Some(roll) => roll.turn(&attitudes.set, spins, target, way, posture, |k, posture| {
-                            found(k << 6 | index, posture);
-                        }),
+                        Some(roll) => {
+                            roll.turn(&attitudes.set, 0..spins, target, way, posture, |k, posture| {
+                                found(k << SPIN_SHIFT | index, posture);
+                            });
+                        }
                     }
                 }
             }
         }
         missing.max(0.0)
+    }
+
+    /// Calls `found` with the branches that differ from a branch only by the spin. The branch is given by its
+    /// index and its posture. `spins` are indices of spins of `attitudes`. The postures equal those of
+    /// [`Self::solve`], bit for bit.
+    pub(in crate::reach) fn spun(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        spins: Range<usize>,
+        (index, posture): (u64, &mut Posture),
+        mut found: impl FnMut(u64, &Posture),
+    ) {
+        let index = index & !(u64::MAX << SPIN_SHIFT);
+        let (Some(roll), Some(way)) = (&self.roll, attitudes.planar.get((index >> 2) as usize)) else {
+            return;
+        };
+        roll.turn(&attitudes.set, spins, target, way, posture, |k, posture| {
+            found(k << SPIN_SHIFT | index, posture);
+        });
     }
 
     /// Returns cosine and sine of theta_1, which rotates the point (`s`, -`lateral`) about the base axis to
@@ -234,12 +264,12 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Calls `found` for each spin in `spins` (rad), with the last axis rotated so that the tool has this
-    /// spin.
+    /// Calls `found` with the index of each spin in `spins`, with the last axis rotated so that the tool has
+    /// this spin.
     fn turn(
         &self,
         set: &AttitudeSet,
-        spins: &[f64],
+        spins: Range<usize>,
         target: &Vector3<f64>,
         way: &PlanarAttitude,
         posture: &mut Posture,
@@ -262,9 +292,8 @@ impl Roll {
         let (upright, sideways) =
             (Vector3::z() * cos_elevation - h * way.sin_elevation, h.cross(&Vector3::z()));
         let (a, b) = self.reference;
-        for (k, &spin) in spins.iter().enumerate() {
-            let (sin, cos) = exact_sin_cos(spin);
-            let wanted = upright * cos + sideways * sin;
+        for (k, (cos, sin)) in set.spin_directions.iter().enumerate().take(spins.end).skip(spins.start) {
+            let wanted = upright * *cos + sideways * *sin;
             let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));
             // If the tool deviates from the vertical, the projection of the wanted direction is shorter than
             // 1.
