@@ -4,8 +4,8 @@
 //!
 //! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and
 //! 20 deg of the best layout of a short search. "Ideal" layouts need to work only at their nominal
-//! placements. Layouts "to build" must also withstand the placement tolerances. The program prints medians in
-//! microseconds as a table.
+//! placements. Layouts "to build" must stay feasible at all misplacements within the placement tolerances.
+//! The program prints medians in microseconds as a table.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the cells, a benchmark has nothing to measure
 
@@ -28,8 +28,8 @@ const ROUNDS: usize = 5;
 const SECONDS: f64 = 0.3;
 /// Number of evaluations of the search for the plausible layouts.
 const BUDGET: u64 = 200;
-/// Paths of cell files without their extension. A name without a folder is in the folder `cells`. The last
-/// two files state two readings of one cell, and are in the folder `benches`.
+/// Paths of cell files without their extension. A path without a folder refers to a file in `cells`. The last
+/// two files describe one cell under two readings. The paths of these files are relative to `benches`.
 const CELLS: [&str; 14] = [
     "hitachi_cell",
     "ur_cell",

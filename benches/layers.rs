@@ -86,9 +86,10 @@ fn node(c: &mut Criterion) {
     }
 }
 
-/// Measures the readings at the target of the function `node`. The sense is xyz, which has three components.
+/// Measures the readings of the errors. The operation has the sense xyz, which has three components.
 ///
-/// For every branch, the first benchmark computes the value of the signed sample. The second benchmark
+/// The first two benchmarks visit every branch of one target, which the function `node` also uses. The first
+/// benchmark computes the value of the signed reading. The second benchmark
 /// computes the exact worst case and the covariance of the linear model. Further benchmarks compute the
 /// nonlinear worst-case and statistical figures of one posture.
 fn readings(c: &mut Criterion) {

@@ -45,8 +45,8 @@
 //! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`allocation`] | tolerance allocation | costs of tolerances and limits to the cheapest tolerances |
 //! | [`verification`] | measured against predicted | measured positions and error set to residuals, coverage, ranks |
-//! | [`reach`] | inverse kinematics | TCP target and orientation to all postures, or the reason for none; envelope |
-//! | [`correction`] | corrected programme | target and errors to the joint coordinates that land on it |
+//! | [`reach`] | inverse kinematics | TCP pose to all postures, or to the reason for failure; envelope |
+//! | [`correction`] | corrected programme | target and errors to corrected joint coordinates |
 //! | [`pose_accuracy`] | test of ISO 9283 | tolerances to the accuracy that a data sheet states, and back |
 //! | [`clearance`] | collision check | layout and frames to the first contact, or none |
 //! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
@@ -63,7 +63,7 @@
 //! | [`record`] | documents | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`report`] | output | records to JSON, CSV, SVG, TOML, text |
 //! | `cli` | command line | arguments, files, progress, exit codes |
-//! | [`study`] | stable entry | a cell file and keys to evaluations and searches |
+//! | [`study`] | stable entry point | a cell file and keys to evaluations and searches |
 //!
 //! All these modules may also use [`units`] for conversions, `safe_text`, `geometry` for plane geometry and
 //! [`pose`] for rigid transforms.
@@ -79,7 +79,7 @@
 //!
 //! - The library computes in SI units: m and rad, as f64. Millimetres and degrees occur only in files and
 //!   reports, where every name states its unit. Only [`units`] converts units.
-//! - The core does no input or output: only `cli` touches files, clock and terminal.
+//! - Only `cli` touches files, clock and terminal. [`study`] reads files through `cli`.
 //! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
@@ -98,7 +98,8 @@
 //!
 //! # Example
 //!
-//! [`Study`] is the stable entry: it loads a cell, sets keys as `--set` does, evaluates and searches.
+//! [`Study`] is the stable entry point of the library. A study loads a cell, sets keys as `--set` does,
+//! evaluates and searches.
 //!
 //! ```
 //! use sweetspot::Study;

@@ -269,7 +269,7 @@ impl Study {
     }
 
     /// Returns a study whose layout as drawn is `layout`. The study reads this layout from the text of a cell
-    /// file, as `sweetspot search` writes it.
+    /// file, in the format that `sweetspot search` writes.
     fn at(&self, layout: &Layout) -> Result<Self, StudyError> {
         let mut files: Vec<(String, Vec<u8>)> =
             self.loaded.sources.iter().map(|source| (source.path.clone(), source.bytes.clone())).collect();

@@ -11,7 +11,7 @@ use sweetspot::report;
 /// Name of a file that inherits from the cell file and contains the settings (`--set`) of a cell.
 const WITH_SETS: &str = ".with-settings.toml";
 
-/// Returns a name that none of the files has: `name`, if necessary with underscores before it.
+/// Returns a name that no file of `files` has. If `name` is taken, the result has underscores before `name`.
 fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
     let mut name = name.to_string();
     while files.iter().any(|(known, _)| known.eq_ignore_ascii_case(&name)) {

@@ -131,8 +131,8 @@ impl Cell {
         Self::new(py, Arc::new(CellOrigin { path, packages, files }), Vec::new())
     }
 
-    /// Returns the cell with other settings: texts `PATH=VALUE` as after `--set`, dicts of paths and values,
-    /// or the flags that choose errors and their interpretation.
+    /// Returns the cell with other settings. Each of `sets` is a text `PATH=VALUE` as after `--set`, or a
+    /// dict of paths and values. The keywords `question` choose the errors and their interpretation.
     #[pyo3(signature = (*sets, **question))]
     fn with_(
         &self,
@@ -145,8 +145,8 @@ impl Cell {
         self.changed(py, added)
     }
 
-    /// Returns the cell with identified errors of the robot. A cell that states no reading gets the default
-    /// reading for these errors.
+    /// Returns the cell with identified errors of the robot. If the cell states no reading (signed,
+    /// worst-case or statistical), the default reading for these errors applies.
     fn with_errors(&self, py: Python<'_>, errors: &Errors) -> PyResult<Self> {
         self.changed(py, settings::of_errors(errors))
     }
@@ -192,8 +192,9 @@ impl Cell {
         searched(py, &cell, time, threads, progress.as_ref())
     }
 
-    /// Returns the share of each parameter in the error at the spots of one or of all operations, or at the
-    /// node `at` of one operation.
+    /// Returns the share of each parameter in the error at the spot of every operation. If `operation` is
+    /// given, the record contains only this operation. If `at` is given, the node `at` (i, j) of the
+    /// operation replaces the spot.
     #[pyo3(signature = (operation=None, *, at=None, **question))]
     fn budget<'py>(
         &self,
@@ -228,7 +229,8 @@ impl Cell {
         records::object(py, "BudgetDocument", &document)
     }
 
-    /// Returns the sensitivity to misplaced equipment, and the largest misplacement within the limits.
+    /// Returns the sensitivity of every operation to misplaced equipment. The record also states the largest
+    /// misplacement at which the operation stays feasible and within its limit.
     #[pyo3(signature = (**question))]
     fn robust<'py>(
         &self,
@@ -243,7 +245,8 @@ impl Cell {
         records::object(py, "RobustDocument", &document)
     }
 
-    /// Writes one HTML page about the start layout, and returns the verdict. An existing page is replaced.
+    /// Writes one HTML page about the start layout. Returns the record of the verdict, which is the answer at
+    /// the top of the page. An existing page is replaced.
     fn report<'py>(&self, py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         page::written(py, &path, page::of_cell(py, self)?)
     }
@@ -255,7 +258,7 @@ impl Cell {
         View::new(py, self, port, open)
     }
 
-    /// Returns a function from layouts to costs, for an optimizer of the user's own.
+    /// Returns a function from layouts to costs, which your own optimizer can call.
     fn evaluator(&self, py: Python<'_>) -> PyResult<Evaluator> {
         Evaluator::new(py, self.clone())
     }

@@ -1,4 +1,4 @@
-//! Evaluation of layouts for an optimizer of the user's own: a function from layouts to costs.
+//! Evaluation of layouts for your own optimizer: a function from layouts to costs.
 
 use crate::at_layout::at_layout;
 use crate::cell::Cell;
@@ -46,7 +46,7 @@ struct Rows {
     is_one: bool,
 }
 
-/// Returns a function from layouts to costs, for an optimizer of the user's own.
+/// Returns a function from layouts to costs, which your own optimizer can call.
 #[pyfunction]
 pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
     Evaluator::new(py, cell.clone())

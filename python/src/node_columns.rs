@@ -1,8 +1,9 @@
 //! Columns of the nodes of a map.
 //!
 //! The table has the columns of map.csv that have a value for at least one node. The table leaves out the
-//! columns of the spot refined between the nodes, because this spot is not a node. The figures in the sense
-//! of the operation itself have names without the sense: `p95_mm` beside `p95_xy_mm`.
+//! columns of the spot refined between the nodes, because this spot is not a node. A figure in the sense of
+//! the operation has a name without the sense. If this sense is xy, for example, the column `p95_mm` has the
+//! values of the column `p95_xy_mm` of map.csv.
 
 use crate::table::table;
 use arrow_array::builder::{BooleanBuilder, PrimitiveBuilder, StringDictionaryBuilder};

@@ -16,7 +16,7 @@ use sweetspot::report::page::{Manifest, Report, SizedPage, Subject, report, size
 /// Height of the frame of a page in a notebook, CSS pixels.
 const FRAME_HEIGHT: usize = 640;
 
-/// HTML page, and the verdict that it states.
+/// HTML page, and the record of the verdict, which is the answer at the top of the page.
 pub struct Page {
     html: String,
     verdict: VerdictDocument,

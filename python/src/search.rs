@@ -162,7 +162,8 @@ impl Search {
         self.document.clone_ref(py)
     }
 
-    /// Writes one HTML page about the result, and returns the verdict. An existing page is replaced.
+    /// Writes one HTML page about the result. Returns the record of the verdict, which is the answer at the
+    /// top of the page. An existing page is replaced.
     fn report<'py>(&self, py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         page::written(py, &path, page::of_search(py, self)?)
     }

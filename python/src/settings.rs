@@ -155,7 +155,8 @@ pub fn merged(mut settings: Vec<Setting>, added: Vec<Setting>) -> Vec<Setting> {
     settings
 }
 
-/// Returns the settings that add this error set to the robot of a cell, and choose it.
+/// Returns two settings. The first setting adds the error set to the robot of a cell. The second setting
+/// selects this error set for the cell.
 pub fn of_errors(errors: &Errors) -> Vec<Setting> {
     let mut settings = vec![Setting::new(format!("robot.errors.{}", errors.name), errors.inline.clone())];
     let flag = format!("--errors {}", errors.name);

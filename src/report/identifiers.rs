@@ -2,14 +2,14 @@
 
 use std::collections::HashSet;
 
-/// Identifiers given so far; no two are equal, even without regard to case.
+/// Identifiers given so far. Two identifiers differ in more than the case of their letters.
 pub struct Identifiers {
     longest: usize,
     given: HashSet<String>,
 }
 
 impl Identifiers {
-    /// Returns an empty set of identifiers with at most `longest` characters.
+    /// Returns an empty set of identifiers. An identifier has at most `longest` characters.
     pub fn new(longest: usize) -> Self {
         Self { longest, given: HashSet::new() }
     }
@@ -17,7 +17,8 @@ impl Identifiers {
     /// Returns the identifier of a name: `prefix`, then the name with `_` in place of all characters other
     /// than letters and digits.
     ///
-    /// The prefix must begin with a letter. A number at the end distinguishes equal identifiers.
+    /// The prefix must begin with a letter. If an identifier is already given, a number at the end makes the
+    /// new identifier different.
     pub fn give(&mut self, prefix: &str, name: &str) -> String {
         let plain = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
         let whole: String = prefix.chars().chain(plain).collect();
@@ -33,7 +34,7 @@ impl Identifiers {
     }
 }
 
-/// Returns a text for a comment, with `?` in place of every character outside printable ASCII.
+/// Returns the text with `?` in place of every character outside printable ASCII.
 pub fn ascii(text: &str) -> String {
     text.chars().map(|c| if (' '..='~').contains(&c) { c } else { '?' }).collect()
 }

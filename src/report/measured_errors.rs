@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Returns the table with the identified errors, elastic terms included, and their covariance.
 ///
-/// Row numbers and names refer to the robot file.
+/// The table uses the row numbers and the parameter names of the robot file.
 pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDocument) -> String {
     let poses: usize = document.sessions.iter().map(|s| s.poses).sum();
     let head = format!(
@@ -38,7 +38,8 @@ fn ranges(robot: &Robot, calibration: &Calibration) -> String {
     format!("measured_ranges = [{}]\n", all.join(", "))
 }
 
-/// Returns the errors of the rows, one list for each key that has an error.
+/// Returns the errors of the D-H rows: one list for each key of the error set, such as `dq_deg`. A list of
+/// zeros is left out, unless the error set requires its key.
 fn lists(robot: &Robot, calibration: &Calibration) -> String {
     let axes = robot.axes();
     let [mut dq_deg, mut dq_mm, mut dr, mut dl, mut dalpha, mut dbeta] = [(); 6].map(|()| vec![0.0; axes]);

@@ -1,4 +1,5 @@
-//! Conversion of records and drawings to the bytes or the text of files and pages, without input or output.
+//! Conversion of records and drawings to the bytes or the text of files and pages. This module neither reads
+//! nor writes files.
 
 pub mod allocated_table;
 pub mod chart;

@@ -22,8 +22,9 @@
 //! .
 //! ```
 //!
-//! The sizes are `x y z` for a box, `radius` for a sphere, and `radius length` for a cylinder. A mesh has its
-//! numbers of vertices and triangles, then one line for each vertex and one for each triangle.
+//! The sizes are `x y z` for a box, `radius` for a sphere, and `radius length` for a cylinder. For a mesh,
+//! one line states the number of vertices and the number of triangles. One line for each vertex and one line
+//! for each triangle follow.
 
 use super::identifiers::ascii;
 use super::layout_frames::NamedFrame;

@@ -53,8 +53,8 @@ pub const WORLD: &str = "world";
 /// Returns the pedestal, the equipment and obstacles, the fence and the keep-out boxes of a layout.
 ///
 /// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]. Without a
-/// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A leg becomes a box
-/// down to the floor.
+/// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A [`Shape::Leg`]
+/// becomes a box that stands on the floor.
 pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {
     let cell: &'a Cell = drawing.cell;
     let mut names = Identifiers::new(60);

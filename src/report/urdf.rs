@@ -108,7 +108,8 @@ fn plain(value: f64) -> String {
     rounded(value, 12).to_string()
 }
 
-/// Returns a text for a comment of XML, which must not contain two hyphens in a row.
+/// Returns the text for use in an XML comment. The character U+2010 replaces every `-`, because an XML
+/// comment must not contain `--`.
 fn commented(text: &str) -> String {
     escaped(text).replace('-', "\u{2010}")
 }

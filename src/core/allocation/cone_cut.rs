@@ -1,4 +1,5 @@
-//! One second-order cone (or linear row) that a set of tolerances must satisfy to meet a requirement.
+//! Cuts: convex constraints on the tolerance scales, each a second-order cone or a linear inequality. Every
+//! set of tolerances that meets a requirement satisfies all cuts of this requirement.
 
 use nalgebra::Vector6;
 

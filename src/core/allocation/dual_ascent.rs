@@ -9,10 +9,13 @@
 //!           p_k = sum_i y_i . g_ik,   q_k = sum_j mu_j w_jk
 //! ```
 //!
-//! Each vector `y_i` belongs to one sign pattern of a worst case. Each number `mu_j` belongs to a root sum
-//! square. A pattern is added when the scales violate its limit. For any multipliers, the value of the dual
-//! is a lower bound of the cost. The scales are reduced until they meet every limit, so their cost is an
-//! upper bound. The gap between the two bounds is therefore known.
+//! The function `c_k` is the cost of parameter k. Each vector `y_i` is the multiplier of one sign pattern of
+//! a worst case. The vector `f_i` is the sum of the fixed errors with the signs of this pattern. The vector
+//! `g_ik` is the error at the present tolerance of parameter k, with the sign of the pattern. Each number
+//! `mu_j` belongs to a root sum square. This root sum square is `sqrt(f_j^2 + sum_k w_jk u_k^2)`. A pattern
+//! is added when the scales violate its limit. For any multipliers, the value of the dual is a lower bound of
+//! the cost. The scales are reduced until they meet every limit, so their cost is an upper bound. The gap
+//! between the two bounds is therefore known.
 
 use super::cone_cut::ConeCut;
 use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};
@@ -67,7 +70,8 @@ impl PricedScales {
 }
 
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
-/// gap is at most `gap` if this gap can be reached.
+/// gap is at most `gap` unless the rounds end early. They end early if a fine ascent adds no sign pattern, or
+/// after `MAX_ROUNDS` rounds.
 ///
 /// The costs must be continuous, and the tightest scales must meet every limit. Returns None if the ascent
 /// fails.
@@ -128,9 +132,9 @@ pub fn priced_scales(
 }
 
 /// Returns the first multiplier vector of the constraint `cut`, which the scales `u` violate. The vector has
-/// the direction of the error at `u`. It is the shortest such vector with which the cheapest scales meet the
-/// limit along this direction. The terms `others` stay unchanged. The result is None if the cheapest scales
-/// meet this limit with the terms `others` alone.
+/// the direction of the error at `u`. The length of the vector is the least multiplier with which the
+/// cheapest scales meet the limit along this direction. The terms `others` stay unchanged. The result is None
+/// if the cheapest scales meet this limit with the terms `others` alone.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],
@@ -211,12 +215,13 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
     None
 }
 
-/// Returns the dual and its terms after the first step length that raises the dual enough. Returns None if no
-/// length raises the dual enough.
+/// Returns the dual and its terms at the first step length that suffices. Returns None if no length raises
+/// the dual enough.
 ///
-/// The lengths are tried in descending order, beginning with the full step. The next lengths are those at
-/// which a multiplier reaches 0. A step of such a length drops the term whose multiplier reaches 0. Halvings
-/// of the shortest of these lengths come last.
+/// A length suffices if the dual rises by at least 1e-4 of the gain that the gradient predicts. The lengths
+/// are tried in descending order, beginning with the full step. The next lengths are those at which a
+/// multiplier reaches 0. A step of such a length drops the term whose multiplier reaches 0. Halvings of the
+/// shortest of these lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

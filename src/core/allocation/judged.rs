@@ -1,5 +1,5 @@
-//! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged
-//! figures.
+//! Tolerance allocation under the full error model, as a series of linear problems. Each round adapts the
+//! linear figures to the judged figures, which the full error model gives.
 //!
 //! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
 //! judged figure at the scales of the previous round. The square of a judged figure may be a convex function

@@ -49,8 +49,8 @@ pub struct Charged {
 /// Largest number of Newton steps for one scale; the steps converge from one side.
 const MAX_STEPS: usize = 60;
 
-/// Returns the scale in the range of a cost model with the least `c(u) + p u + q u^2`. The price `q` must be
-/// at least 0.
+/// Returns the permitted scale at which `c(u) + p u + q u^2` is least. The cost model `cost` states the
+/// permitted scales: a range or grades. The price `q` must be at least 0.
 pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
     let (low, high) = cost.range;
     let total = |u: f64, c: f64| c + (p + q * u) * u;

@@ -1,4 +1,5 @@
-//! One constraint along one direction, whose only multiplier is found by a one-dimensional search.
+//! One constraint along one direction of the error. A one-dimensional search finds the single multiplier of
+//! this constraint.
 
 use super::cone_cut::ConeCut;
 use super::lagrangian::charged;
@@ -17,7 +18,7 @@ const QUICK_GAIN: f64 = 1e-4;
 const SAME: f64 = 1e-13;
 
 /// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty
-/// list counts as zeros.
+/// list `linear` or `squares` counts as a list of zeros.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LimitRow {
     pub linear: Vec<f64>,

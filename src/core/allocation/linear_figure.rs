@@ -98,8 +98,8 @@ impl LinearFigure {
     /// Adds to a row the absolute values of the scalar products of the errors with a multiplier vector.
     ///
     /// At any scales, the added error never exceeds the worst case times the length of the vector. So the
-    /// length is the weight of this figure in the row. The weight of a squared root sum square is the first
-    /// component of the vector.
+    /// length of the vector is the weight of the worst case in the row. A root sum square adds its square,
+    /// multiplied by the first component of the vector.
     pub(super) fn add_along(&self, y: &Vector6<f64>, row: &mut LimitRow) {
         match self {
             Self::RootSumSquare { squares, constant } => {

@@ -16,15 +16,15 @@
 //! linear row. In a plane, the patterns depend only on the directions of the generators, so n generators have
 //! at most n patterns. Cutting planes (`ConeCut`) add only the patterns that bind. The exact worst case of a
 //! solution gives the pattern with which this solution violates a limit. A requirement adds cuts only while a
-//! solution violates it, so many nodes cost little.
+//! solution violates it. So requirements at many nodes take little computing time.
 //!
-//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]).
-//! The crate `clarabel` solves two cases as cone programs. In the first case, the grades are discrete. In the
-//! second case, Newton's method does not close the duality gap. The cones of the costs are second-order,
-//! power and exponential cones. Newton's method and the cone programs give dual vectors, which give a lower
-//! bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). This bound holds whatever the
-//! accuracy of the solver, so the duality gap is proven. Discrete grades are chosen by branch and bound over
-//! the relaxation (`grade_choice`).
+//! For continuous costs, Newton's method solves the dual problem, which has only a few variables
+//! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the grades
+//! are discrete. In the second case, Newton's method does not close the duality gap. The cones of the costs
+//! are second-order, power and exponential cones. Newton's method and the cone programs give dual vectors,
+//! which give a lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). This bound
+//! holds whatever the accuracy of the solver, so the duality gap is proven. Discrete grades are chosen by
+//! branch and bound over the relaxation (`grade_choice`).
 //!
 //! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution
 //! by the full model. The function adapts the linear requirements until the judged figures are within the

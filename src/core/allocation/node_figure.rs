@@ -16,8 +16,9 @@ const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
-/// Suppose that three normal errors act in one, two and three directions, and have equal mean squared
-/// lengths. Above this probability, the length of the error in one direction has the largest percentile.
+/// Consider three normal errors of equal mean squared length. The first acts in one direction, the second in
+/// two directions, and the third in three. Above this probability, the first error has the largest percentile
+/// of the length.
 const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.
@@ -154,7 +155,8 @@ impl NodeFigure<'_> {
         Some((1..=evaluator.sense.rows().len()).map(ratio).fold(f64::INFINITY, f64::min) * (1.0 - 1e-9))
     }
 
-    /// Returns the root mean square, which is exact except for the mean of second-order terms.
+    /// Returns the root mean square of the error as a function of the scales. The only approximation is the
+    /// mean of the second-order terms, which counts as constant.
     fn root_mean_square(
         &self,
         free: &[Parameter],
@@ -197,8 +199,8 @@ impl NodeFigure<'_> {
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
-    /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give
-    /// all slopes.
+    /// The squared percentile depends only on the eigenvalues of the covariance. One percentile per
+    /// eigenvalue therefore gives the slopes for all parameters.
     pub fn normal_percentile(
         &self,
         free: &[Parameter],

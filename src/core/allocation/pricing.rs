@@ -38,8 +38,8 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, which is
-    /// near the multiplier if the limits are near the present figures.
+    /// Logarithm of the multiplier with which the search for a bound starts. It is the logarithm of the
+    /// present cost, which is near the multiplier if the limits are near the present figures.
     first_multiplier: f64,
 }
 

@@ -19,7 +19,7 @@ pub struct ToleranceShortfall {
     pub bounds: Vec<BoundInTheWay>,
 }
 
-/// Lower bound of a scale that keeps a figure above its limit.
+/// Lower bound of a scale. This bound contributes to the excess of a figure over its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundInTheWay {
     pub parameter: usize,

@@ -12,7 +12,7 @@ use crate::layout::Workcell;
 use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
-/// Relative distance from the limit at which a requirement counts as binding.
+/// Largest relative margin, limit minus figure, at which a requirement counts as binding.
 const BINDING: f64 = 1e-4;
 
 /// Parameter whose tolerance is chosen.
@@ -54,12 +54,12 @@ pub struct CellAllocation<'a> {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// A limit is missing, no tolerance can be chosen, or the errors compensate each other. The text
+    /// A limit is missing, no tolerance can be chosen, or the errors are too large to be tolerances. The text
     /// `why` states the reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.
     Unusable(String),
-    /// Even the tightest tolerances exceed these limits.
+    /// Even at the tightest tolerances, the figures of these requirements exceed their limits.
     Infeasible(Vec<ToleranceShortfall>),
     /// The solver of the cone programs failed.
     NotSolved,

@@ -18,7 +18,8 @@ pub struct Tighter {
     pub figure: f64,
 }
 
-/// Error budget of one posture, with the gain from tightening its largest contributions.
+/// Error budget of one posture, with the gain from halved tolerances of the parameters with the largest
+/// shares.
 pub struct BudgetReport<'a> {
     pub context: PostureContext<'a>,
     pub budget: Budget,

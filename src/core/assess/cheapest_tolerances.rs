@@ -1,4 +1,5 @@
-//! Solution of the tolerance allocation of a cell, judged by its error model and by samples.
+//! Solution of the tolerance allocation of a cell. The error model of the cell judges the tolerances. In the
+//! statistical reading, Monte Carlo samples check the result.
 
 use super::allocation::{CellAllocation, NoAllocation};
 use super::sampled_allocation::SampledRequirement;

@@ -74,7 +74,7 @@ impl<'a> OperationCorrector<'a> {
         Ok(self.corrected(&context.joints, &context.frames.tcp, context.situation))
     }
 
-    /// Returns the work context of targets that are not nodes of the map.
+    /// Returns the [`WorkContext`] (work frame and pick) for targets that are not nodes of the map.
     ///
     /// # Errors
     /// Returns the reason if the frame of the surface cannot be taught.

@@ -11,8 +11,8 @@ const BISECTIONS: usize = 8;
 /// Names of the keys of a placement tolerance in a cell file.
 const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 
-/// Returns, in words, which placement tolerances make a layout infeasible, and with which values it would be
-/// feasible.
+/// Returns, in words, which placement tolerances make a layout infeasible. Each text states smaller values
+/// with which the layout would be feasible.
 ///
 /// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each body (robot base
 /// or piece of equipment) are reduced together. If no single body suffices, the tolerances of all bodies are

@@ -309,7 +309,7 @@ pub struct Requirement {
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
     /// The error stays if no such bound is known.
     pub margin: f64,
-    /// Whether the sign of the margin decides whether the limit is met. The value is false only if the
+    /// Whether a margin of at least 0 proves that the limit is met. The value is false only if the
     /// certificate of the layout gives no upper bound of the error. The margin then uses the error itself.
     ///
     /// The value is true for costs. The value is also true without a certificate

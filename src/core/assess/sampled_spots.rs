@@ -52,7 +52,8 @@ impl SampledSpots {
     }
 }
 
-/// Replaces the figures of each spot by the figures of its samples if the samples do not confirm them.
+/// Compares the figures of each spot with samples. If the samples do not confirm the figures of a spot, the
+/// estimates from the samples replace these figures.
 ///
 /// Returns for each operation whether the samples confirm the figures; None without samples.
 ///

@@ -15,7 +15,8 @@
 //! A plan minimizes the expected squared error of the predicted tool position, averaged over the postures of
 //! the task (I-optimality). A plan that maximizes a determinant (D-optimality) would determine all unknowns
 //! well, even those that the task does not need. After a calibration the base is registered anew. The
-//! expected error therefore excludes the motion of the base that best fits the errors at the candidates.
+//! expected error therefore leaves out the part that a new base pose removes. This base pose best fits the
+//! errors at all candidates for measuring poses.
 
 use super::plan_posterior::PlanPosterior;
 use super::plan_problem::PlanProblem;

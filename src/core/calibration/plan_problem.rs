@@ -26,7 +26,7 @@ pub struct UnmodelledError {
 }
 
 impl Default for UnmodelledError {
-    /// Returns the errors of a measured arm, rounded.
+    /// Returns the unmodelled error of a measured arm, in rounded values.
     ///
     /// For the series A, B and D of a UR10 (Landgraf et al. 2021), maximum likelihood gives 0.10 to 0.21 mm
     /// for the shared part. The length scale is 0.83 to 0.99 rad, and the independent part is 0.18 to 0.22
@@ -82,7 +82,8 @@ pub struct PlanProblem {
     /// Points that represent the candidates; the distance between two points is the distance in the joint
     /// space, rad.
     places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
-    /// Directions of the unknowns that matter at the task; the squared error is the sum of their variances.
+    /// Directions in the space of the unknowns that displace the tool at the task. The mean squared error is
+    /// the sum of the variances of the scalar products of these directions with the unknowns.
     pub(super) targets: DMatrix<f64>,
     pub(super) error: UnmodelledError,
 }
@@ -116,8 +117,8 @@ impl PlanProblem {
 
 /// Returns the point that represents a posture in comparisons, with two coordinates per joint. Postures whose
 /// joint angles differ by full revolutions have the same point. The distance between two points is the root
-/// sum square of chords of the joint angle differences. The whole travel of a prismatic joint counts as half
-/// a revolution.
+/// sum square of the contributions of all joints. A revolute joint contributes the chord of its angle
+/// difference on the unit circle. The whole travel of a prismatic joint counts as half a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {
@@ -147,9 +148,11 @@ fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
 }
 
 /// Returns the directions in the space of the unknowns that displace the tool at the task. The length of a
-/// direction is the root mean square displacement of a unit step.
+/// direction is the displacement of the tool for a unit step along this direction. The displacement is the
+/// root mean square over the postures of the task.
 ///
-/// The squared norm of the product of these directions with the unknowns is the mean squared displacement.
+/// Let T be the matrix of these directions, and a the vector of the unknowns. The mean squared displacement
+/// is `|T^T a|^2`.
 fn targets(tasks: &[Matrix3xX<f64>], registered: &DMatrix<f64>) -> DMatrix<f64> {
     let unknowns = registered.ncols();
     let mut squares = DMatrix::zeros(unknowns, unknowns);

@@ -34,7 +34,7 @@ const STEEPEST: f64 = 10.0;
 /// The relative change of a joint variance is its change divided by `v + NEGLIGIBLE e`. Here `v` is the
 /// variance before the step, and `e` is the expected variance.
 /// The smallest variance is this share of the square of [`FINEST_JOINT`] or [`FINEST_POSITION`]. So the
-/// smallest standard deviation is about 0.03 times that constant.
+/// smallest standard deviation is about 0.03 times [`FINEST_JOINT`] or [`FINEST_POSITION`].
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.

@@ -26,7 +26,7 @@ pub fn no_errors(axes: usize) -> SignedErrors {
     }
 }
 
-/// Returns the errors of joint frames that make a chain of Denavit-Hartenberg rows equal to stated frames.
+/// Returns the joint frame errors with which a chain of Denavit-Hartenberg rows has the stated frames.
 ///
 /// `frames[k]` leads from the frame after the joint of row k - 1 to the joint axis of row k. `frames[0]`
 /// begins at the base. The nominal value of `frames[k]` is `Tx(l) Rx(alpha)` of row k - 1, followed by

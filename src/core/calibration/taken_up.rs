@@ -1,4 +1,5 @@
-//! Part of random motions that a fit of base and reflectors absorbs.
+//! Least-squares fit of base and reflectors to random displacements of the measured positions. The fit
+//! absorbs a part of these displacements.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -13,8 +14,8 @@ pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
     DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
-/// Returns the steps of the frames that fit the random motions best by least squares, one column per random
-/// motion.
+/// Returns, for each random motion, the steps of the fitted frames that reproduce it best (least squares).
+/// Each column of the result belongs to one random motion.
 ///
 /// Each entry of `columns` belongs to one position. Returns None if `columns` is empty.
 pub fn taken_up(columns: &[PositionJacobians]) -> Option<DMatrix<f64>> {

@@ -10,7 +10,7 @@ const BLOCKS: usize = 8;
 
 /// Returns the residuals of positions whose block of the joint space was left out of the fit.
 ///
-/// Blocks without which the sessions cannot be fitted are skipped.
+/// The function skips a block if the other blocks do not determine all unknowns.
 pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Residual> {
     let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
     let all = NormalEquations::of_positions(&fit.state, sessions, 1.0);

@@ -179,8 +179,8 @@ impl JointEnclosure {
 
     /// Converts an enclosure in the coordinates of a [`PosedChain`] to an enclosure of the joint coordinates.
     ///
-    /// `first` holds the linear displacements of the coordinates, one row per axis of the target box. `bend`
-    /// holds upper bounds of the deviations from these displacements.
+    /// `first` holds the first-order displacements of the coordinates, one row per axis of the target box.
+    /// `bend` holds upper bounds of the deviations from these displacements.
     fn of_coordinates(
         posed: &PosedChain<'_>,
         first: &[Rows; BoxAxis::COUNT],

@@ -49,7 +49,7 @@ pub enum NotCertified {
     NoTask,
     /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,
-    /// A joint may exceed its limit, reduced by the margin, by up to `by` (rad or m).
+    /// A joint may exceed its reduced limit by up to `by` (rad or m). The margin reduces this limit.
     JointLimit { joint: usize, by: f64 },
     /// The distance from singular postures may fall to `measure`, which is below the margin.
     Singular { measure: f64 },

@@ -42,16 +42,17 @@ pub type Square = [Rows; MAX_ROWS];
 
 /// Chain at its nominal posture, prepared for a joint enclosure.
 ///
-/// The coordinates y are displacements of the active joints. For successive revolute joints with parallel
-/// axes, the coordinates are sums of joint angles, beginning with the first of these joints. A change of such
-/// a sum rotates one link and shifts the links after it, so a planar arm decouples into independent links.
+/// The coordinates y are displacements of the active joints. In a run of successive revolute joints with
+/// parallel axes, the coordinate of a joint is a sum. This signed sum contains the joint angles from the
+/// first joint of the run up to this joint. A change of such a sum rotates one link and shifts the links
+/// after it, so a planar arm decouples into independent links.
 pub struct PosedChain<'a> {
     pub chain: &'a Chain,
     pub task: &'a ToolTask,
     pub axes: [Vector3<f64>; MAX_JOINTS],
     /// Motion of the TCP per unit of each D-H coordinate.
     pub moved: [Vector3<f64>; MAX_JOINTS],
-    /// Matrix S of `theta = S y`, where theta are the displacements of the active joints.
+    /// Matrix S that converts the coordinates y to the displacements of the active joints: `theta = S y`.
     pub to_theta: Square,
     /// Rigid pieces of the arm. Piece k leads from active joint k to the next active joint, and the last
     /// piece leads to the TCP.
@@ -117,8 +118,8 @@ impl<'a> PosedChain<'a> {
         self.chain.links[joint].kind == JointKind::Revolute
     }
 
-    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool. `joints` returns
-    /// the sum of the joint rates multiplied by given coefficients.
+    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool. The function
+    /// `joints` multiplies each joint rate by a given coefficient and returns the sum.
     fn rows(
         &self,
         moved: &Vector3<f64>,
@@ -152,7 +153,8 @@ impl<'a> PosedChain<'a> {
     }
 
     /// Converts derivatives with respect to the displacements of the active joints to derivatives with
-    /// respect to the coordinates. Entry c of the result is the sum of `S_kc` times entry k.
+    /// respect to the coordinates. Entry c of the result is the sum over k of `S_kc` times entry k. The
+    /// matrix S is [`Self::to_theta`].
     fn by_coordinates(&self, columns: &Square) -> Square {
         let n = self.task.rows;
         let mut sums = [[0.0; MAX_ROWS]; MAX_ROWS];
@@ -210,8 +212,8 @@ impl<'a> PosedChain<'a> {
     /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the
     /// test fails.
     ///
-    /// `first` are the linear displacements along each axis of the target box. The result is also valid if
-    /// the nominal posture is displaced by up to `around`.
+    /// `first` holds the first-order displacements of the coordinates along each axis of the target box. The
+    /// result is also valid if the nominal posture is displaced by up to `around`.
     pub fn bend(&self, inverse: &Square, first: &[Rows; BoxAxis::COUNT], around: &Rows) -> Option<Rows> {
         let n = self.task.rows;
         let derivatives = self.derivatives(inverse);
@@ -262,8 +264,9 @@ impl<'a> PosedChain<'a> {
         None
     }
 
-    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the terms of
-    /// the first derivatives of D. The displacements are at most `wide`, and the rates at most `rates`.
+    /// Returns an upper bound of the third-order terms in the rows of the task. These terms are `D q'`
+    /// without the part that the first derivatives of D cause. Here D is the change of the Jacobian, and q'
+    /// are the rates. The displacements are at most `wide`, and the rates at most `rates`.
     fn third(&self, wide: &Rows, rates: &Rows) -> Rows {
         let n = self.task.rows;
         let turned = |by: &Rows, bits: u8| -> f64 {

@@ -89,8 +89,8 @@ impl TargetBox {
         self
     }
 
-    /// Returns this box for a point that lies up to `length` (m) from the target and rotates with the
-    /// surface.
+    /// Returns the box of a point that is up to `length` (m) from the target and rotates with the surface.
+    /// This box is larger, because a rotation also displaces the point relative to the target.
     #[must_use]
     pub fn extended_by(mut self, length: f64) -> Self {
         let by = self.heading * length;

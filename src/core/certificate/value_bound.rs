@@ -8,7 +8,7 @@
 //!
 //! The size of a signed sample, the linear worst case, the RMS and the mean are convex functions of the
 //! effects. So the value in the box is at most the largest value at the corners plus a second term. This term
-//! is the value of the same function if the deviations replace the effects.
+//! applies the same function to the deviations from the linear interpolation instead of the effects.
 //!
 //! A nonlinear worst case is at most the linear worst case plus the largest products of two and more errors.
 //! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most
@@ -95,7 +95,7 @@ pub struct ValueBound {
 /// Small motion that errors cause at one place in the chain or at the equipment.
 ///
 /// Usually, one error source causes the motion. In the signed reading with a nonlinear or second-order model,
-/// the robot's errors together cause each motion in the chain. In that case, `source` equals `link`.
+/// the motions in the chain combine all robot errors. In that case, `source` equals `link`.
 #[derive(Debug, Clone, Copy)]
 struct SourceMotion {
     source: usize,

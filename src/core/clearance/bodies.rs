@@ -25,8 +25,8 @@ pub(super) struct CollisionBody {
     /// Solid before its rounding, and the radius (m) of the rounding. The field is None for a solid without
     /// rounding.
     ///
-    /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
-    /// rounded solid, the error of parry3d is up to 4e-5 m.
+    /// A check against a ball uses this solid, and enlarges the ball by the radius. This check is exact. For
+    /// the rounded solid, the error of parry3d is up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,

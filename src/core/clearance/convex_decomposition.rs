@@ -102,7 +102,8 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 /// Returns, for every triangle, the index of the part to which it belongs.
 ///
 /// The function repeatedly makes the cut that reduces the total volume of the hulls the most. Nine cuts of
-/// each part are tried: along each axis, after one, two and three quarters of the triangles.
+/// each part are tried, three for each axis. The three cuts divide the list of triangles, sorted along the
+/// axis, after one, two and three quarters.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {

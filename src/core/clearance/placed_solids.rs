@@ -1,4 +1,4 @@
-//! Solids of the cell posed under one layout, and the poses of the robot's links.
+//! Solids of the cell at the poses that one layout gives them, and the poses of the robot's links.
 
 use super::bodies::{EquipmentSolid, plain};
 use super::bounding_capsule::{BoundingBox, BoundingCapsule, CONTACT_MARGIN};

@@ -12,7 +12,7 @@ use parry3d::bounding_volume::BoundingVolume;
 /// Distance, m, below which two solids count as touching.
 ///
 /// This distance exceeds the rounding errors of the coordinates. The iterative queries of parry3d have larger
-/// errors, which `CONTACT_MARGIN` states.
+/// errors. The constant `CONTACT_MARGIN` exceeds these errors.
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.

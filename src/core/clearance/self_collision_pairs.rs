@@ -94,7 +94,8 @@ fn by_rule(cell: &Cell, a: &RobotSolid, b: &RobotSolid) -> Option<Allowed> {
     }
 }
 
-/// Returns posture `k` of a sample within the joint limits: point k + 1 of the R_d low-discrepancy sequence.
+/// Returns posture `k` of a sample within the joint limits. The posture is point `k + 1` of the
+/// low-discrepancy sequence [`RobertsSequence`].
 fn posture(cell: &Cell, k: usize) -> JointVector {
     let joints = &cell.robot.joints;
     let sequence = RobertsSequence::new(joints.len());

@@ -153,8 +153,7 @@ impl Perturbation {
         Self { elastic: None, ..self.clone() }
     }
 
-    /// Returns this sample with its elastic deflections at a posture added to the errors dtheta of the
-    /// joints.
+    /// Returns a copy of this sample in which the errors dtheta include the elastic deflections at a posture.
     ///
     /// The result has no elastic errors.
     pub fn deflected(&self, frames: &Frames) -> Self {

@@ -62,8 +62,8 @@ impl Screws {
 
     /// Returns the chain with a sample of errors, at the joint coordinates of the reference posture.
     ///
-    /// The point stored for each axis is the foot of the perpendicular from the point stored for the nominal
-    /// axis.
+    /// The point stored for each axis is the foot of a perpendicular to this axis. The perpendicular begins
+    /// at the point stored for the nominal axis.
     pub fn perturbed(&self, frames: &Frames, errors: &Perturbation) -> Self {
         let mut moved = Pose::identity();
         let of_frame = |moved: &mut Pose, frame: &Pose, error: &FrameError| {

@@ -15,9 +15,10 @@ const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 /// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// The search skips a scanned joint value if its [`Gap::limits`] exceeds this constant, in the same units.
+/// The search skips a scanned joint value whose [`Gap::limits`] exceeds this constant.
 ///
-/// A larger violation is not expected to vanish within one step of the scan.
+/// The constant has the mixed units of [`Gap::limits`]. A larger violation is not expected to vanish within
+/// one step of the scan.
 const HOPELESS: f64 = 0.5;
 
 /// Largest number of bisections in the search for a joint value at which the target is within reach.
@@ -28,8 +29,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
     /// Calls [`Self::gap`], which may return a lower bound of the distance from the target to the reachable
-    /// points. If this bound is positive and below `near` (m), the function replaces the bound by the
-    /// distance.
+    /// points. If this bound is positive and below `near` (m), the returned gap contains the actual distance.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,

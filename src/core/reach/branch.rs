@@ -37,7 +37,7 @@ pub enum Cost {
     Low,
     /// About a microsecond per attitude.
     Middle,
-    /// Redundant arm with a closed form: about a microsecond for each attitude at each sampled joint value.
+    /// A redundant arm with a closed form takes about a microsecond per attitude and sampled joint value.
     ///
     /// Other solvers of this class take tens of microseconds per attitude. Such a solver scans one joint,
     /// refines a closed form, or eliminates variables (`general_six_axes`).
@@ -57,7 +57,8 @@ pub struct Gap {
     /// a difference of cosines. The attitude adds an angle (rad). The numeric solver instead adds the
     /// position error (m) and the orientation error (rad) of its best attempt.
     ///
-    /// The value is 0 if a branch violates neither, or if the target is out of reach.
+    /// The value is 0 if a branch keeps the joint limits and has the required attitude. The value is also 0
+    /// if the target is out of reach.
     pub limits: f64,
 }
 

@@ -17,8 +17,9 @@ const TRIALS: usize = 16;
 /// A scan can miss two solutions that nearly coincide.
 const MAX_MISSED_BY_SCAN: usize = 1;
 
-/// Largest error of a solution at a sampled posture: of the translation (m), and of the rotation matrix
-/// (Frobenius norm).
+/// Largest error of a solution at a sampled posture.
+///
+/// The limit applies to the translation (m) and to the rotation matrix (Frobenius norm of the difference).
 const MAX_ERROR: f64 = 1e-9;
 
 /// Inverse kinematics for a given pose of the last D-H frame, by a closed form or by a scan of one joint.

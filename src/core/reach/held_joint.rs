@@ -147,7 +147,7 @@ impl HeldJoint {
     /// Returns an upper bound (m) of the motion of a point when the redundant joint moves by one lattice
     /// step.
     ///
-    /// The point is the target of the other joints.
+    /// The point is the position that the solver of the other joints aims at, such as the wrist centre.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {

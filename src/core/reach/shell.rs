@@ -3,12 +3,13 @@
 //! Row i of the D-H table moves its frame by the offset `r_i` along z_(i-1) and the length `l_i` along x_i. A
 //! revolute joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. Let n
 //! be the number of joints, and let v be `l_n x_n` plus the vector from the last D-H frame to the TCP. If the
-//! last of several joints is revolute, v also contains its offset `r_n z_(n-1)`. The vector before v is then
-//! `l_(n-1) x_(n-1)` alone. The vector v has a constant length, too. The position of the TCP is a fixed point
-//! of the first axis plus the sum of these vectors. The shell allows arbitrary directions of these vectors.
-//! So the distance of the TCP from that point is at most the sum of the lengths. The distance is at least the
-//! longest length minus the sum of the other lengths (polygon inequality). If joint i + 1 is prismatic,
-//! r_(i+1) varies, so the vector has a range of lengths. Joint limits and attitude only reduce the reach.
+//! last of several joints is revolute, v also contains its offset `r_n z_(n-1)`. In this case,
+//! the previous vector consists only of `l_(n-1) x_(n-1)`. The vector v has a constant length, too. The
+//! position of the TCP is a fixed point of the first axis plus the sum of these vectors. The shell allows
+//! arbitrary directions of these vectors. So the distance of the TCP from that point is at most the sum of
+//! the lengths. The distance is at least the longest length minus the sum of the other lengths (polygon
+//! inequality). If joint i + 1 is prismatic, r_(i+1) varies, so the vector has a range of lengths. Joint
+//! limits and attitude only reduce the reach.
 //!
 //! Let the unit vector a be the tool axis. If the elevation e of this axis is fixed, the vertical component
 //! of `(v . a) a` is known: `(v . a) sin(e)`. This component shifts the centre of the shell.

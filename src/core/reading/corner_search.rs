@@ -8,8 +8,9 @@ use nalgebra::Vector6;
 
 /// Largest number of rounds of the local search from one starting corner.
 ///
-/// A round tries to flip every single sign and every group of parallel columns. If no such flip increases the
-/// error, the round tries pairs of signs. The search ends early if no pair increases the error either.
+/// A round tries to flip every single sign, and the signs of every group of parallel columns together. A
+/// column is the linear effect of one source or of the mean. If no such flip increases the error, the round
+/// tries pairs of signs. The search ends early if no pair increases the error either.
 const MAX_ROUNDS: usize = 12;
 
 /// Least threshold of the function `by_model`, as a share of the linear worst case.
@@ -28,11 +29,12 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
 /// The sizes of the errors at these two corners differ only by terms of even order. If the sources have
-/// means, the linear effect of all means together is one more column with a sign. If this sign is negative,
-/// the error is computed with all signs reversed. So with means, both starts are the same corner of the box.
-/// The search flips one sign alone, the signs of all parallel columns together, or the signs of two columns.
-/// A column is the linear effect of one source or of the mean. A flip is tried only if it changes the linear
-/// error by no more than a threshold. The threshold is the largest of three values:
+/// means, the linear effect of all means together is one more column with a sign. The means themselves have
+/// the sign +1. If the search sets the sign -1, the model reverses all signs and computes the error at that
+/// corner. So both starts are the same corner of the box if the sources have means. The search flips one sign
+/// alone, the signs of all parallel columns together, or the signs of two columns. A column is the linear
+/// effect of one source or of the mean. A flip is tried only if it changes the linear error by no more than a
+/// threshold. The threshold is the largest of three values:
 ///
 /// - `quadratic`, an estimate of the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;
@@ -41,7 +43,7 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// A planar arm, for example, needs flips of all parallel columns together. The lateral effects of such an
 /// arm are perpendicular to all other effects. So the linear error keeps its size if the signs of all
-/// lateral effects are reversed. A single flip does not lead to this other corner.
+/// lateral effects are reversed. A single flip does not reach the corner with these reversed signs.
 ///
 /// `largest` returns two corners: the corners with the largest displacement and the largest rotation of the
 /// TCP by the linear model. A source is weak if a flip of its sign can change the linear error by at most the

@@ -49,8 +49,8 @@ pub struct ErrorEvaluator {
     /// Whether the value is computed with the last joint at theta = 0. In that case, rotations of the tool by
     /// this joint do not change the distribution of the error.
     pub(super) takes_zero_spin: bool,
-    /// Whether the errors of the signed sample compensate each other, so that they are not tolerances
-    /// ([`Cell::errors_compensate`]).
+    /// Whether the errors of the signed sample compensate each other ([`Cell::errors_compensate`]). Such
+    /// errors cancel only in the calibrated arm, so their magnitudes are not tolerances.
     pub(super) errors_compensate: bool,
 }
 
@@ -215,8 +215,8 @@ impl ErrorEvaluator {
     }
 
     /// Returns whether rotations of the tool by the last joint leave the distribution of the TCP position
-    /// error unchanged. The TCP displacement by errors after this joint must be isotropic about the tool
-    /// axis.
+    /// error unchanged. The TCP displacement that errors after this joint cause must be isotropic about the
+    /// tool axis.
     fn has_isotropic_tool(&self) -> bool {
         self.reading == Reading::Statistical
             && self.sense.rows().iter().all(|row| !row.turns)

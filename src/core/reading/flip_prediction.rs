@@ -15,8 +15,8 @@
 //! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
 //! rotations, and D the largest sum of the sizes of all displacements. The third-order products that contain
 //! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the sum of all products of order
-//! 3 and higher is less than twice this bound. A point at a distance r from the TCP adds `|d_i|
-//! |w_i| A^2 r`, because the second-order model truncates only the rotation.
+//! 3 and higher is less than twice this bound. For a measured point at a distance r from the TCP, this bound
+//! grows by `|d_i| |w_i| A^2 r`. The growth bounds the effect of the truncated rotation vector on the point.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
@@ -61,7 +61,7 @@ impl CornerMotion {
     }
 }
 
-/// Change of the error along the rows of a sense if the signs of one source are reversed.
+/// Change of the error along the rows of a sense if the sign of one source is reversed.
 #[derive(Debug, Clone, Copy)]
 pub struct PredictedFlip {
     /// Predicted change of the error along the rows, m or rad.

@@ -10,9 +10,9 @@ const ROUNDING: f64 = 1e-12;
 /// Returns whether a rotation of the tool about `axis` (TCP frame, unit vector) leaves the distribution of the
 /// TCP position error unchanged.
 ///
-/// All errors after the last of `axes` joints must be independent normal errors of the tool with zero mean.
-/// The covariance C of the tool position must be `a I + b u u^T`, where u is the axis. Rotation errors of the
-/// tool leave the TCP in place.
+/// All errors after the last joint must be independent normal errors of the tool with zero mean. The number
+/// of joints is `axes`. The covariance C of the tool position must be `a I + b u u^T`, where u is the axis.
+/// Rotation errors of the tool leave the TCP in place.
 pub fn is_isotropic(sources: &ErrorSources, axes: usize, axis: &Vector3<f64>) -> bool {
     let mut variances = Vector3::zeros();
     for source in sources.list.iter().filter(|source| is_behind(source.parameter, axes)) {

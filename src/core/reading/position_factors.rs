@@ -9,7 +9,8 @@ use crate::kinematic_error::Expansion;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
 
-/// Independent random factors, as the motions (index and size at one standard deviation) that they cause.
+/// Independent random factors. Each factor is a list of the motions that it causes: index, and size at one
+/// standard deviation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PositionFactors {
     /// Factors whose effect does not change when the last joint rotates the tool.

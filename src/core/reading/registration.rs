@@ -203,7 +203,7 @@ impl Taught {
     }
 }
 
-/// Returns the rigid motion that `rule`, applied repeatedly, finds in the displacements `left`.
+/// Applies `rule` repeatedly to the displacements `left`, and returns the total rigid motion.
 ///
 /// After each application, `undo` removes the motion that this application found. The iteration ends when
 /// `rule` finds no further motion.

@@ -6,7 +6,7 @@
 //!
 //! - Signed sample: the errors after the joint displace the TCP by at most r, and the errors before the joint
 //!   move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
-//! - Worst case: the worst case of only the tolerances before the joint is a lower bound.
+//! - Worst case: the worst case without the tolerances after the joint is a lower bound.
 //! - Normal parameters: after a rotation by q, an effect of an error after the joint is c0 + c1 cos q + c2
 //!   sin q. So the entries of the covariance are trigonometric polynomials of degree 2. If the mean of an
 //!   error is set to 0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176);

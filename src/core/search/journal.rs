@@ -18,7 +18,7 @@ const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
 /// A run of a Pareto search with n variables has at most this number times `n + 1` evaluations.
 ///
-/// Many scalarizations that are minimized roughly give a better front than a few scalarizations minimized
+/// Many scalarizations, each minimized roughly, give a better front than a few scalarizations, each minimized
 /// exactly.
 const PARETO_RUN_EVALUATIONS: u64 = 100;
 

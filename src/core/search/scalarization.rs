@@ -7,10 +7,11 @@
 //! ```
 //!
 //! where w_i is the weight and g_i the scaled loss of goal i, and least_i and greatest_i are the extreme
-//! losses on the front. The factor rho is small. Minima of s include points of a non-convex front that
-//! minimize no weighted sum (A. P. Wierzbicki, "The use of reference objectives in multiobjective
-//! optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical Programming 26 (1983) 326-344). The first runs
-//! minimize one goal each. Later runs use weights that fill the simplex evenly.
+//! losses on the front. The factor rho is small. If the front is not convex, some of its points minimize no
+//! weighted sum of the goals. Minima of s include such points (A. P. Wierzbicki, "The use of reference
+//! objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical Programming 26
+//! (1983) 326-344). The first runs minimize one goal each. Later runs use weights that fill the simplex
+//! evenly.
 
 use super::pareto_front::{ParetoFront, Span};
 use crate::low_discrepancy::halton;

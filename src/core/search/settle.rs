@@ -3,8 +3,9 @@
 //!
 //! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
 //! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among these
-//! layouts ([`estimated_room`]), and polls of the neighbours follow. The result is the layout with the most
-//! clearance among the layouts with nearly the most room.
+//! layouts ([`estimated_room`]). Polls then compare the layout with the most room with its neighbours, which
+//! differ by one step of one coordinate. The result is the layout with the most clearance among the layouts
+//! with nearly the most room.
 //!
 //! The phase is a pure function of cell, settings, best layout and bound, so a resumed search repeats it.
 
@@ -74,11 +75,12 @@ struct RoomState {
 /// A usable layout is feasible, is within every limit, and has nearly the least objective. Only the layouts
 /// with the largest estimated rooms are compared accurately.
 ///
-/// `best` is the point with the least objective, `least`. `bound`, if given, is a further upper limit of the
-/// objective. A bound below `least` counts as `least`. The result is None if the cell requests an ideal
-/// layout, or if `settings` request a Pareto search. The result is also None if the indifference is 0 or
-/// less, or if no piece has a range for x or y. The result is also None if no evaluated layout is usable, or
-/// if the observer stops the search.
+/// `best` is the point with the least objective, `least`. The indifference gives an upper limit of the
+/// objective of a usable layout. If `bound` is given and is less than this limit, `bound` is the limit. If
+/// `bound` is less than `least`, the limit is `least`. The result is None if the cell requests an ideal
+/// layout, for which placement tolerances are ignored. The result is also None if `settings` request a Pareto
+/// search. The result is also None if the indifference is 0 or less, or if no piece has a range for x or y.
+/// The result is also None if no evaluated layout is usable, or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

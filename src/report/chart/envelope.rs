@@ -50,7 +50,7 @@ impl Panel {
     }
 }
 
-/// Draws the section and the first plan of a working envelope.
+/// Draws the vertical section and the first horizontal section of a working envelope.
 pub fn envelope(e: &Reachable<'_>) -> String {
     let empty = EnvelopeSection::default();
     let (height, plan) = e.plans.first().map_or((0.0, &empty), |(z, plan)| (*z, plan));

@@ -34,7 +34,7 @@ struct JointDot {
 
 /// Draws the distance of every measured position from the prediction over the coordinate of every joint.
 ///
-/// A line joins the medians of equal ranges of the coordinate.
+/// A line joins the median distances in equally wide ranges of the coordinate.
 pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[FittedSession]) -> String {
     let count: usize = sessions.iter().map(|session| session.measured.len()).sum();
     let every = count.div_ceil(MAX_DOTS).max(1);
@@ -100,7 +100,8 @@ fn dots(
     .collect()
 }
 
-/// Returns the medians of equal ranges of the coordinate, each at the middle of its range.
+/// Returns the middle of each range of the coordinate, and the median distance in this range. All ranges are
+/// equally wide. Ranges with fewer than `LEAST` positions are left out.
 fn medians(dots: &[JointDot], low: f64, high: f64) -> Vec<(f64, f64)> {
     let width = (high - low) / BINS as f64;
     let median = |bin: usize| {

@@ -23,7 +23,7 @@ fn is_wide(c: char) -> bool {
         | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
 }
 
-/// Returns the text; if it is wider than `room` (px), cuts it and adds an ellipsis.
+/// Returns the text. A text wider than `room` (px) is cut and gets an ellipsis.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_string();
@@ -57,7 +57,7 @@ pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     lines
 }
 
-/// Returns the end of the first line: a byte index, after at least one character.
+/// Returns the byte index at which the first line ends. The line has at least one character.
 fn line_end(text: &str, size: f64, room: f64) -> usize {
     let (mut used, mut space) = (0.0, None);
     for (at, c) in text.char_indices() {

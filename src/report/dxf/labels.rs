@@ -73,7 +73,7 @@ impl Labels {
         }
     }
 
-    /// Occupies the lines and the arc of the angular dimension at the frame of a piece.
+    /// Occupies the lines and the arc of the angular dimension at the frame of a piece of equipment.
     fn occupy_yaw(&mut self, equipment: &Equipment, at: &Placement) {
         let (angle, radius) = (wrapped(at.yaw), yaw_radius(equipment, self.height));
         let on_circle = |turn: f64, radius: f64| (at.x + radius * turn.cos(), at.y + radius * turn.sin());
@@ -135,7 +135,7 @@ impl Labels {
     }
 }
 
-/// Returns the radius of the arc of the angular dimension of a piece, m.
+/// Returns the radius of the arc that dimensions the yaw of a piece of equipment, m.
 pub fn yaw_radius(equipment: &Equipment, height: f64) -> f64 {
     let (length, width) = equipment.footprint.size;
     (length.max(width) / 2.0).max(6.0 * height)

@@ -41,7 +41,7 @@ const LAYERS: [(&str, u16); 19] = [
     (VIEWPORT, 8),
 ];
 
-/// Largest number of faces with which the layer of the faces is not frozen. CAD programs draw a larger number
+/// Number of faces above which the layer of the faces is frozen. CAD programs draw a larger number
 /// of faces slowly.
 const MANY_FACES: usize = 2000;
 

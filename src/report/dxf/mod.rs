@@ -72,7 +72,8 @@ fn flat_ring(file: &mut DxfFile, layer: &str, ring: &[Vector3<f64>]) {
     }
 }
 
-/// Writes the region in which the frame of a piece may lie: its outlines, and its faces as REGION entities.
+/// Writes the region in which the frame origin of the robot base or of a piece of equipment may lie. The
+/// region is written as outlines, and as faces (REGION entities).
 ///
 /// Programs without an ACIS kernel show the outlines only.
 fn region(file: &mut DxfFile, region: &DrawnRegion) {
@@ -184,8 +185,8 @@ fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, lab
     }
 }
 
-/// Writes the yaw of a piece as an angular dimension at its frame. The number is at a free place near the
-/// arc. If no place is free, the number is in the column of texts.
+/// Writes the yaw of a piece of equipment as an angular dimension at the frame of the equipment. The number
+/// is at a free place near the arc. If no place is free, the number is in the column of texts.
 fn yaw(file: &mut DxfFile, (equipment, at): (&Equipment, &Placement), tolerance: f64, labels: &mut Labels) {
     let angle = wrapped(at.yaw);
     let after = plus_minus(deg_from_rad(tolerance), "\u{b0}");

@@ -27,8 +27,8 @@ struct CadPiece<'d> {
     parts: Vec<(&'d DrawnPart, Pose)>,
 }
 
-/// Writes every object as a block with its reference. A block contains outline in plan, floor space, frame,
-/// name and faces. Returns the number of faces.
+/// Writes a block for every object, and an INSERT entity that places the block. A block contains outline in
+/// plan, floor space, frame, name and faces. Returns the number of faces.
 pub fn write(
     file: &mut DxfFile,
     drawing: &Drawing<'_>,

@@ -162,8 +162,8 @@ fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Adds the channels of a link. Two quaternions describe the same rotation: at each time, the quaternion
-/// nearer to the previous quaternion is used.
+/// Adds the channels of a link. Two quaternions of opposite sign describe each rotation. At each time, the
+/// channel contains the quaternion that is nearer to the previous quaternion.
 fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
     let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
@@ -241,8 +241,8 @@ fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// Adds arrows of the resultant errors of an operation, coloured by the error that the operation's sense
-/// measures.
+/// Adds arrows of the resultant errors of an operation. The colour of an arrow shows the value of the map in
+/// the sense of the operation.
 fn arrows(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,

@@ -193,7 +193,7 @@ fn envelope(rings: &Rings) -> EnvelopeRecord {
     }
 }
 
-/// Returns a closed line without the points within [`STRAIGHT`] of the line through the kept points.
+/// Simplifies a closed line. No removed point is farther than [`STRAIGHT`] from the simplified line.
 fn thinned(ring: &[Vector3<f64>]) -> Vec<&Vector3<f64>> {
     // The last point is joined to the first.
     let closed: Vec<Vector3<f64>> = ring.iter().chain(ring.first()).copied().collect();

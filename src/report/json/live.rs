@@ -61,8 +61,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the coordinates that the page can change, by owner. For equipment and the robot base, the
-/// coordinates that the file fixes are included.
+/// Returns the coordinates that the page can change, by owner. The page can change all coordinates of
+/// equipment and the robot base, even those that the file fixes.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()

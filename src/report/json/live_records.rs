@@ -38,7 +38,8 @@ pub struct FormEquipment<'a> {
     pub surface: Option<[f64; 4]>,
 }
 
-/// Coordinates of one owner that the page can change.
+/// Group of coordinates that the page can change. A piece of equipment, an operation or the robot base owns
+/// the group.
 #[derive(Serialize)]
 pub struct FormGroup<'a> {
     pub group: &'static str,

@@ -1,7 +1,7 @@
 //! Documents that only the pages of sweetspot read: the drawings of the 3-D viewer and the state of the live
 //! page.
 //!
-//! Every other document is a record; see [`crate::record`].
+//! The types of the documents for other programs are in [`crate::record`].
 
 mod drawing;
 mod live;

@@ -88,7 +88,8 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     some && all
 }
 
-/// Returns the whole text; blanks replace characters that a terminal or a browser would not show.
+/// Returns the text at full length. A blank replaces every character that a terminal or a browser would not
+/// show.
 pub fn plain(text: &str) -> String {
     let hides = |c: char| {
         c.is_control()

@@ -160,8 +160,8 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
     PageTable::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
-/// Returns the section on the linearized model. The section is empty if no figure of the report depends
-/// noticeably on this model.
+/// Returns the section on the linearized model. The section is empty if [`rests_on_linearized`] returns false
+/// for the recommended layout.
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows how far the linearized error model deviates from the nonlinear model, \
@@ -173,9 +173,9 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether figures of a layout depend on the linearized model. This is true if the cell does not
-/// choose the nonlinear model. It is also true if a reading of tolerances uses the linearized model, and the
-/// two models differ by more than the guard.
+/// Returns whether numbers of a layout may depend on the linearized model. This is true if the cell does not
+/// choose the nonlinear model. It is also true if the reading is not signed and the two models differ by more
+/// than the guard. Every usable node is compared.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())

@@ -33,7 +33,7 @@ pub struct FlowPage {
 pub struct PageFlow {
     pages: Vec<FlowPage>,
     page: FlowPage,
-    /// Height of the next line, mm from the top of the page.
+    /// Vertical position at which the next content begins, mm from the top of the page.
     pub y: f64,
     bottom: f64,
     /// Number of pictures so far. The number makes the element names of the pictures unique.

@@ -24,7 +24,7 @@ const INSIDE: f64 = 5.0;
 pub const HEADING: f64 = 7.0;
 /// Height of the scale bar with the axes, mm.
 const BAR: f64 = 15.0;
-/// Distance between the dimensions of a view and the next view, mm.
+/// Distance from a view and its dimension lines to the heading of the view below, mm.
 const VIEW_GAP: f64 = 4.0;
 
 /// Format of a sheet, mm.
@@ -46,7 +46,7 @@ impl Paper {
         self.height > self.width
     }
 
-    /// Returns the left and top corner of the title block.
+    /// Returns the top left corner of the title block on the paper, mm.
     pub fn block(&self) -> (f64, f64) {
         (self.width - MARGIN - BLOCK.0, self.height - MARGIN - BLOCK.1)
     }

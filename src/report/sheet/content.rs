@@ -143,8 +143,8 @@ pub fn spots(
     }
 }
 
-/// Occupies and returns the first place at which a text `wide` mm wide covers nothing. If no place is free,
-/// returns the first place.
+/// Returns the first place at which a text of the width `wide` (mm) covers no occupied box. Adds the box of
+/// the text to the occupied boxes. If no place is free, returns the first place.
 fn free_place(
     taken: &mut OccupiedBoxes,
     places: impl Iterator<Item = (f64, f64)> + Clone,
@@ -155,7 +155,8 @@ fn free_place(
     free.or_else(|| places.clone().next()).unwrap_or_default()
 }
 
-/// Draws the name of the robot and of every piece in plan, where it covers no other text.
+/// Draws the names of robot, equipment, obstacles and keep-out spaces in plan. A name covers no occupied box
+/// if one of its places is free.
 pub fn names(
     out: &mut String,
     drawing: &Drawing<'_>,

@@ -63,7 +63,8 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
     nearest.enumerate().map(mark).collect()
 }
 
-/// Returns the tolerances of a corner, m, that keep the frame within its tolerances at every allowed yaw.
+/// Returns the tolerances of a corner of a piece along x and y, m. A corner within these tolerances keeps the
+/// frame of the piece within its placement tolerances at every allowed yaw.
 ///
 /// A yaw error d moves the frame by d times the distance of the frame from the corner. The tolerance of the
 /// corner is smaller by this amount.
@@ -102,7 +103,8 @@ fn plus_minus(tolerance: Option<f64>) -> String {
     tolerance.map_or(String::new(), |m| format!(" \u{b1}{}", down(m)))
 }
 
-/// Draws the dimensions of the plan, and occupies the boxes of letters and angles.
+/// Draws the dimensions of the plan. Adds the boxes of letters and angles to `taken`, so that later texts
+/// avoid these boxes.
 pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, taken: &mut OccupiedBoxes) {
     let base = Vector2::new(drawing.layout.base.x, drawing.layout.base.y);
     let (x0, y0) = view.at(&base);

@@ -1,4 +1,4 @@
-//! The cheapest tolerances: a table before and after, and the findings in sentences.
+//! Text of a tolerance allocation: a table of the present and the cheapest tolerances, then the findings.
 
 use super::fixed;
 use super::table::TextTable;

@@ -25,7 +25,7 @@ pub fn answer(a: &Assessment<'_>) -> String {
     out
 }
 
-/// Returns the table of placements, seen from the robot base.
+/// Returns the table with the placements of the equipment in the frame of the robot base.
 fn placements(a: &Assessment<'_>) -> String {
     let mut table = TextTable::new(1);
     table.row(["placement from the robot base", "x mm", "y mm", "z mm", "yaw deg"]);
@@ -77,8 +77,8 @@ fn operations(a: &Assessment<'_>) -> String {
     table.render() + &buildability::verdict(a)
 }
 
-/// Returns the room of every piece, the reasons that limit it, and the rotation of the whole cell; empty
-/// without regions.
+/// Returns the room of every piece, and what limits each room. The text also states how far the whole cell
+/// may be rotated about the base axis. The text is empty if there are no regions.
 fn room(a: &Assessment<'_>) -> String {
     let regions = RegionEntry::all(a);
     if regions.is_empty() {

@@ -6,7 +6,10 @@ use crate::files::shown;
 use crate::record::{AccuracyEntry, CalibrationDocument, OutlierRow};
 use std::fmt::Write;
 
-/// Returns accuracy before and after, identified parameters and their rank.
+/// Returns the accuracy before and after the calibration, the parameters of the fit, and the rank.
+///
+/// The rank is the number of parameter combinations whose standard deviation the data reduce to less than
+/// half.
 pub fn calibration(document: &CalibrationDocument) -> String {
     let mut out = format!(
         "{}: calibrated with {} positions, residual {} mm per axis\n\nPosition error, mm\n",

@@ -102,7 +102,7 @@ fn placement_rows(table: &mut TextTable, name: &str, columns: &[Assessment<'_>])
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()).into_iter());
 }
 
-/// Adds the placement of the robot base, if the search may move the base in the cell of a layout.
+/// Adds the placement of the robot base if a search may move the base in at least one compared cell.
 fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     if !columns.iter().any(|c| c.cell.base.iter().any(Coordinate::is_free)) {
         return;
@@ -113,7 +113,7 @@ fn base_rows(table: &mut TextTable, columns: &[Assessment<'_>]) {
     table.labelled("", "yaw deg", cells(|p| rounded(deg_from_rad(p.yaw), 4).to_string()));
 }
 
-/// Adds a row for each attitude angle that the search may change in the cell of a layout.
+/// Adds a row for each attitude angle that a search may change in at least one compared cell.
 fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     for (angle, word) in ["bend deg", "azimuth deg", "spin deg"].into_iter().enumerate() {
         let is_free =
@@ -125,8 +125,8 @@ fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Adds the value of an operation that happens at every node. If the operation has a limit and the
-/// objective is an error, adds a row with the margin to this limit.
+/// Adds a row with the value over all nodes (max, mean or p95) if the operation happens at every node. If the
+/// operation has a limit and the objective is an error, adds a row with the margin to this limit.
 fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
     if operation.over.needs_every_node() {

@@ -29,7 +29,7 @@ pub fn cycle_time(a: &Assessment<'_>) -> String {
 
 const STEPS_PER_LINE: usize = 4;
 
-/// Returns the total time with its name.
+/// Returns the total time with the label "cycle time" or "time of the operations".
 pub fn cycle_heading(cycle: &CycleTime) -> String {
     let name = if cycle.is_cycle { "cycle time" } else { "time of the operations" };
     let estimate = if cycle.is_assumed { ", an estimate" } else { "" };

@@ -103,8 +103,8 @@ impl PointForms {
 
     /// Returns joint 3 as a function of a parameter t.
     ///
-    /// For a prismatic joint 3, t is the D-H offset r_3. For a revolute joint 3, t is the tangent of half the
-    /// angle between theta_3 and an origin. The origin is the angle with the cosine `c` and the sine `s`.
+    /// For a prismatic joint 3, t is the D-H offset r_3. For a revolute joint 3, t is
+    /// `tan((theta_3 - o) / 2)`. The origin o is the angle with the cosine `c` and the sine `s`.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },
@@ -127,10 +127,10 @@ impl PointForms {
 
     /// Returns Pieper's equation for revolute joints 1 and 2.
     ///
-    /// Coordinate x of the point in frame 1 follows from [`PointTarget::distance2`], and y from the height
-    /// along axis 1. The equation states that `x^2 + y^2` is the squared distance of the point from axis 2.
-    /// If the D-H length l_1 is 0, only the distances of point and target from the origin of frame 1 are
-    /// compared. If sin alpha_1 is 0, only their heights along axis 1 are compared.
+    /// Coordinate x of the point in frame 1 follows from [`PointTarget::distance2`]. Coordinate y follows
+    /// from [`PointTarget::height`]. The equation states that `x^2 + y^2` is the squared distance of the
+    /// point from axis 2. If the D-H length l_1 is 0, only the distances of point and target from the origin
+    /// of frame 1 are compared. If sin alpha_1 is 0, only their heights along axis 1 are compared.
     fn both_turn(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let ((ca, sa), l1, far) = (self.twist1, self.l1, self.distance2_on(path));
         let (e, z) = (path.minus(target.distance2, &far), path.minus(target.height, &h.map(|k| ca * k)));

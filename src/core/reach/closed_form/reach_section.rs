@@ -131,8 +131,8 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
 
 /// Computes the distance transform along one line of cells.
 ///
-/// The squared distance from position x on the line to `nearest` of cell k is the parabola
-/// `square[k] + (x - k)^2`. The lower envelope of these parabolas is the transform.
+/// Let k and x be positions on the line. The parabola `square[k] + (x - k)^2` is the squared distance from
+/// position x to the filled cell `nearest[k]`. The lower envelope of these parabolas is the transform.
 ///
 /// For each cell, `nearest` holds the index of the nearest filled cell. `square` holds the squared distance
 /// to that cell, in squared cell sides. `cell` returns the index of the cell at a position on the line.

@@ -2,21 +2,23 @@
 //!
 //! The circle is scanned adaptively. An interval is halved until every function in it is nearly linear, or
 //! too far from zero to have a root. Between two neighbouring angles, a function then has one root if its
-//! sign changes, and otherwise none. Where a function begins or ends, the interval is halved until the end is
-//! known precisely.
+//! sign changes, and otherwise none. An interval in which a function begins or ends is halved down to
+//! the width `LEAST_WIDTH_AT_END`.
 
 use super::positioning_arm::PositioningArm;
 use std::f64::consts::TAU;
 
-/// Number of functions.
+/// Number of functions whose roots are searched: one per branch index of the first three joints.
 const COUNT: usize = PositioningArm::BRANCHES;
 /// Number of intervals with which the scan begins.
 const INTERVALS: usize = 32;
-/// Largest number of roots.
+/// Largest number of roots that [`CircleRoots`] holds; further roots are ignored.
 const MAX_ROOTS: usize = 16;
-/// Least width, rad, of an interval that the scan halves when roots or functions may hide inside.
+/// The scan does not halve an interval that is at most this wide, rad.
+///
+/// If a function begins or ends in the interval, the limit is [`LEAST_WIDTH_AT_END`] instead.
 const LEAST_WIDTH: f64 = 1e-5;
-/// The end of a function is known precisely if its interval is narrower than this width, rad.
+/// Width, rad, down to which the scan halves an interval in which a function begins or ends.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
 /// Factor that multiplies the second difference of a function at three angles. If the absolute values at all
 /// three angles exceed the product, the function has no root between the angles. For a parabola, the factor
@@ -32,7 +34,7 @@ const MAX_SWING: f64 = 0.2;
 const ACCURACY: f64 = 1e-9;
 /// Absolute value of a function below which the iteration for a root ends.
 const EXACT: f64 = 1e-15;
-/// Largest number of steps to a root.
+/// Largest number of iterations that refine one root.
 const STEPS: usize = 60;
 /// Number of consecutive slow steps after which an interval is bisected.
 ///
@@ -102,7 +104,9 @@ impl CircleRoots {
         self.least
     }
 
-    /// Adds the roots between the angles of `low` and `high`, with `middle` between them.
+    /// Searches the interval from `low` to `high` and adds its roots to the roots found so far.
+    ///
+    /// `middle` is the sample in the middle of the interval.
     fn search(&mut self, at: &mut impl FnMut(f64) -> Sample, low: &Sample, middle: &Sample, high: &Sample) {
         let width = high.0 - low.0;
         if (0..COUNT).any(|k| hides_roots([low, middle, high], k, width))

@@ -99,8 +99,7 @@ impl ThreeJointPoint {
         (q.x.hypot(q.y), q.z)
     }
 
-    /// Returns an upper bound of the distance (m) that the point moves per radian of joints 2 and 3. Both
-    /// joints rotate by the same angle.
+    /// Returns an upper bound (m) of the motion of the point if joints 2 and 3 each rotate by 1 rad.
     pub fn travel(&self) -> f64 {
         let [_, second, third] = &self.links;
         let about_third = third.l.hypot(third.sin_alpha * self.r4);
@@ -186,9 +185,11 @@ impl ThreeJointPoint {
 
     /// Returns the Hessian matrix of half the squared distance from the point to a target, m^2.
     ///
-    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
-    /// derivative of column i with respect to a revolute joint j <= i is `z_j x moves_i`. For a prismatic
-    /// joint j, it is 0.
+    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m.
+    ///
+    /// Let `moves_i` be column i of `moves`, and z_j the direction of the axis of joint j. For a revolute
+    /// joint j <= i, the derivative of `moves_i` with respect to theta_j is `z_j x moves_i`. For a prismatic
+    /// joint j, the derivative is 0.
     fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
         let mut hessian = moves.tr_mul(moves);
         let mut axis = Vector3::z();

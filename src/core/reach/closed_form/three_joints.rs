@@ -3,8 +3,9 @@
 //! Joint 3 moves the point on a circle or on a line. In the frame of joint 2, the coordinates of the point
 //! are linear in (1, cos theta_3, sin theta_3) or in (1, r_3). Joints 1 and 2 cannot change certain
 //! quantities, such as distances from a revolute axis and heights along it. These quantities give one
-//! equation of at most the fourth degree for joint 3 (Pieper 1968). Joint 2 then follows from joint 3, and
-//! joint 1 from both. Newton's method refines and checks each solution.
+//! equation of at most the fourth degree for joint 3 (Pieper 1968). The value of joint 3 then
+//! determines joint 2. Joints 2 and 3 together determine joint 1. Newton's method refines and checks each
+//! solution.
 
 use super::pieper::{PointForms, PointTarget};
 use super::quartic::{Quadratic, real_roots, value};

@@ -123,10 +123,11 @@ impl<'a> Envelope<'a> {
     /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. For the numeric solver, joint 1 must also have a range of at least one turn. A
-    /// solver for a whole pose samples a free azimuth or spin at angles measured from a fixed direction. For
-    /// such a solver, two more conditions apply if the azimuth is not radial. The tool must be vertical, and
-    /// joint 1 must have a range of at least one turn.
+    /// rotate with joint 1. For the numeric solver, joint 1 must also have a range of at least one turn.
+    ///
+    /// A solver for the full pose of the flange samples a free azimuth and a free spin. The sampled angles
+    /// are measured from a fixed direction. For such a solver, two more conditions apply if the azimuth is
+    /// not radial. The tool must be vertical, and joint 1 must have a range of at least one turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

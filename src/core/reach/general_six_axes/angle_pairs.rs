@@ -30,9 +30,9 @@ const HALF_ROTATION: f64 = 0.7;
 /// The size is 1 plus the absolute value of the real part.
 const NEARLY_REAL: f64 = 0.1;
 
-/// Two eigenvalues count as equal if the difference of their real parts is below this share of a size.
+/// Two eigenvalues count as equal if their real parts differ by less than this value times a size.
 ///
-/// The size is that of the eigenvalue with the greater index. [`NEARLY_REAL`] defines the size. The imaginary
+/// The size is 1 plus the absolute real part of the eigenvalue that has the greater index. The imaginary
 /// parts are not compared.
 const SAME_EIGENVALUE: f64 = 1e-4;
 
@@ -51,7 +51,7 @@ const INDEPENDENT: f64 = 1e-8;
 /// Upper limit of the squared length of a cross product. Below this limit, two equations for angle 4 are
 /// nearly dependent, and both roots of one of them are computed.
 ///
-/// The value is a share, as in [`INDEPENDENT`].
+/// The value is a share of the fourth power of a length, as in [`INDEPENDENT`].
 const DEPENDENT: f64 = 1e-4;
 
 /// Twelve nearly singular equations in upper triangular form.

@@ -31,7 +31,9 @@ const MAX_NOISE: f64 = 1e-10;
 pub(super) struct CirclePolynomial {
     real: [f64; DEGREE + 1],
     imaginary: [f64; DEGREE + 1],
-    /// Rounding error of a value, estimated from harmonics of the samples beyond the degree.
+    /// Estimated rounding error of a value of the polynomial.
+    ///
+    /// The estimate is based on the harmonics of the samples above degree 8 and on the coefficients.
     noise: f64,
     /// Upper bound of the absolute value of the sixth derivative.
     sixth_derivative: f64,

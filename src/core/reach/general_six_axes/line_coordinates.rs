@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// The 14 coordinates of a line in direction `l` through a point `p`, and the number one.
 ///
 /// A rigid transformation maps these 15 numbers linearly. Sums and multiples of these numbers are mapped in
-/// the same way. So this type also holds coefficients of such coordinates.
+/// the same way. So this type also holds the terms a, b and c of coordinates `a + b cos t + c sin t`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineCoordinates {
     /// The vectors `l`, `p`, `l x p` and `(p.p) l - 2 (l.p) p`.

@@ -148,7 +148,10 @@ impl OuterSide {
         }
     }
 
-    /// Returns all six angles of the loop (rad). The angles 1 and 5 fit the other four angles best.
+    /// Returns all six angles of the loop (rad), given all angles except 1 and 5.
+    ///
+    /// Angle 1 is the least-squares rotation from the inner side to the outer side. Angle 5 follows from the
+    /// orientation of the rest of the loop.
     fn closed(
         &self,
         links: &[Pose; 6],

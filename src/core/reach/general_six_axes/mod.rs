@@ -15,9 +15,10 @@
 //!
 //! The loop may begin at any joint and run in either direction (`loop_arrangement`).
 //!
-//! 1. The axis of t_5 is a line l through a point p, which a rotation by t_5 does not move. The loop gives
-//!    this line in one frame in two ways: `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and
-//!    `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1` place the same line. A rigid transformation maps the 14 numbers l, p,
+//! 1. The axis of t_5 is a line with the direction l through a point p. A rotation by t_5 moves neither the
+//!    line nor the point. Two transformations place both in the same frame:
+//!    `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1`. The results are equal
+//!    because the loop is closed. A rigid transformation maps the 14 numbers l, p,
 //!    l x p, (p.p) l - 2 (l.p) p, p.p and l.p linearly (`line_coordinates`). This gives 14 equations.
 //! 2. The products of cosines and sines of t_0 and t_1 occur linearly. The elimination of these products
 //!    leaves six equations (`loop_equations`). These equations are linear in 1, cosine and sine of t_2. They

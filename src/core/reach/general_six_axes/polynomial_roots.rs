@@ -24,24 +24,24 @@ const SAME_ROOT: f64 = 1e-5;
 /// Number of intervals with which the search begins.
 const INTERVALS: usize = 32;
 
-/// An extremum counts as found when the step is below this value, rad.
+/// Newton's method for an extremum ends after a step shorter than this value, rad.
 const EXTREMUM_ACCURACY: f64 = 1e-9;
 
-/// A root counts as found when the step is below this value, rad.
+/// The iteration for a root ends after a step shorter than this value, rad.
 const ROOT_ACCURACY: f64 = 1e-13;
 
 /// A value counts as zero if it is below this multiple of the noise.
 const ZERO: f64 = 0.1;
 
-/// Largest number of steps to an extremum.
+/// Largest number of Newton steps in the search for an extremum.
 const STEPS_TO_EXTREMUM: usize = 10;
 
-/// Largest number of steps to a root.
+/// Largest number of steps in the iteration for a root.
 const STEPS_TO_ROOT: usize = 60;
 
 /// Taylor series of a polynomial at the middle of an interval.
 struct TaylorSeries {
-    /// Terms at the upper end of the interval.
+    /// Values of the terms of degree 0 to 5 at the upper end of the interval.
     terms: [f64; 6],
     /// Upper bound of the absolute value of the remainder in the interval.
     rest: f64,
@@ -64,8 +64,8 @@ impl TaylorSeries {
     /// The sum contains the terms from term `from` on, and the remainder as term 6. The function `weight`
     /// returns the weight of a term.
     ///
-    /// Let h be half the width of the interval. If term n has the weight n, the sum belongs to h times the
-    /// first derivative. If the weight is n (n - 1) / 2, the sum belongs to `h^2 / 2` times the second
+    /// Let h be half the width of the interval. If term n has the weight n, the sum of all weighted terms is
+    /// h times the first derivative. If the weight is n (n - 1) / 2, this sum is `h^2 / 2` times the second
     /// derivative.
     #[inline]
     fn bound(&self, weight: fn(f64) -> f64, from: usize) -> f64 {

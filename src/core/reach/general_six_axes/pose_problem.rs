@@ -42,10 +42,10 @@ const RESIDUAL_PER_UNCERTAINTY: f64 = 1000.0;
 /// value, rad.
 const UNCERTAIN: f64 = 1e-3;
 
-/// Largest uncertainty, rad, by which the vicinity of a root is extended.
+/// The vicinity of a root extends on both sides by its uncertainty, but at most by this value, rad.
 const MAX_EXTENSION: f64 = 0.1;
 
-/// Upper limit, rad, of an angle a. The scale of a magnified polynomial is `tan(a)`.
+/// Upper limit, rad, of the angle a that defines the scale `tan(a)` of a magnified polynomial.
 ///
 /// The angle a is the smaller of this limit and a quarter of the width of the magnified interval.
 const MAX_HALF_SPAN: f64 = 0.7;

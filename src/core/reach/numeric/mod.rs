@@ -121,8 +121,8 @@ impl Numeric {
         if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
     }
 
-    /// Returns a solution that [`Self::all`] has found, by a repetition of one descent; None if the descent
-    /// fails.
+    /// Repeats the descent that led to a solution of [`Self::all`]. Returns this solution; None if the
+    /// descent fails.
     ///
     /// `start` is [`NumericSolution::start`].
     pub fn again(&self, goal: &TcpGoal, start: usize) -> Option<JointVector> {

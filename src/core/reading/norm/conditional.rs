@@ -219,7 +219,7 @@ impl Reflection {
 /// Writes three figures of each point: its weight, the first component of the error, and the squared length
 /// of the other components.
 ///
-/// The error is the sum of `mean` and all `terms`. The components are the components after `reflection`;
+/// The error is the sum of `mean` and all `terms`. The components refer to the axes after `reflection`, and
 /// `mean` is already reflected.
 fn sample(
     m: usize,

@@ -4,7 +4,7 @@
 use super::{MAX_GENERATORS, PERPENDICULAR, climb};
 use nalgebra::Vector3;
 
-/// Mask of the low bits of a sort key, which hold the index of the generator to make all keys different.
+/// Mask of the low bits of a sort key. These bits hold the index of the generator, so all keys differ.
 const PLACES: u64 = MAX_GENERATORS as u64 - 1;
 
 /// Generators in the frame of a circle: x and y in its plane, z along its axis; generators with y < 0 are

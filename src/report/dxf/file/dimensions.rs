@@ -51,8 +51,8 @@ impl DxfFile {
         out.put(100, "AcDbRotatedDimension");
     }
 
-    /// Returns the middle of the number of a dimension. The number is above the line or, if the line is too
-    /// short, beside its end.
+    /// Returns the position at which the number of a dimension is centred. The number is above the line or,
+    /// if the line is too short, beside its end.
     fn number_place(&self, [from, to]: [&Vector3<f64>; 2], across: &Vector3<f64>, wide: f64) -> Vector3<f64> {
         let lift = across * (0.9 * self.height);
         let along = (to - from).try_normalize(1e-9).unwrap_or_else(Vector3::x);
