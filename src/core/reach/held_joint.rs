@@ -19,6 +19,8 @@ pub(super) struct HeldJoint {
     link: Link,
     /// Distance between the origins of the last two D-H frames of the chain without the redundant joint, m.
     lead: f64,
+    /// Distance between the origins of the first two D-H frames of the chain without the redundant joint, m.
+    foot: f64,
     /// Whether the redundant joint is the first joint of the arm; otherwise it is the last joint.
     first: bool,
     axes: usize,
@@ -72,9 +74,11 @@ impl HeldJoint {
         }
         let link = chain.links[held];
         let (solver, template) = (solver(&rest)?, rest.zero_posture());
-        let lead = rest.links.last().map_or(0.0, |last| last.l.hypot(last.r));
+        let length = |link: Option<&Link>| link.map_or(0.0, |link| link.l.hypot(link.r));
+        let (lead, foot) = (length(rest.links.last()), length(rest.links.first()));
         let fast = solver.fast();
-        Some(Self { solver, fast, template, link, lead, first, axes: n, range: within_one_turn(&link) })
+        let range = within_one_turn(&link);
+        Some(Self { solver, fast, template, link, lead, foot, first, axes: n, range })
     }
 
     /// Returns a phrase that names the family of the arm.
@@ -147,16 +151,18 @@ impl HeldJoint {
     /// Returns an upper bound (m) of the motion of a point when the redundant joint moves by one lattice
     /// step.
     ///
-    /// The point is the position that the solver of the other joints aims at, such as the wrist centre.
+    /// The solver of the other joints measures the distance of this point from the reachable points. The point
+    /// is the wrist centre, relative to the first of the other joints. If the solver uses the reversed chain,
+    /// the point is the shoulder centre, relative to the last of the other joints. The bound holds for both.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {
         let step = (self.range.1 - self.range.0) / f64::from(Self::LATTICE);
-        let own = self.link.l.hypot(self.link.r);
+        let (own, reach) = (self.link.l.hypot(self.link.r), flange.translation.norm());
         match (self.link.kind, self.first) {
             (JointKind::Prismatic, _) => step,
-            (JointKind::Revolute, true) => step * (flange.translation.norm() + self.lead),
-            (JointKind::Revolute, false) => step * (own + self.lead),
+            (JointKind::Revolute, true) => step * (reach + self.lead).max(own + self.foot),
+            (JointKind::Revolute, false) => step * (own + self.lead.max(reach + self.foot)),
         }
     }
 
