@@ -1,5 +1,6 @@
 //! Content of a page: sections, figures, tables.
 
+use crate::safe_text::hides;
 use serde::Serialize;
 
 /// Section of a page with a heading.
@@ -91,9 +92,5 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
 /// Returns the text at full length. A blank replaces every character that a terminal or a browser would not
 /// show.
 pub fn plain(text: &str) -> String {
-    let hides = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
-    };
-    text.chars().map(|c| if hides(c) { ' ' } else { c }).collect()
+    text.chars().map(|c| if c.is_control() || hides(c) { ' ' } else { c }).collect()
 }

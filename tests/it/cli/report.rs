@@ -408,3 +408,15 @@ fn layouts_of_another_question_make_no_page() {
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert_eq!(shop.text("cells/small.toml"), SMALL);
 }
+
+#[test]
+fn a_page_shows_no_invisible_character_of_a_file_name() {
+    let shop = Sandbox::new();
+    let file = "cells/soft\u{ad}tag\u{e0041}mark\u{202e}.toml";
+    shop.write(file, SMALL);
+    shop.done(&["report", file, "--out", "page.html"]);
+    let page = shop.text("page.html");
+    for hidden in ['\u{ad}', '\u{e0041}', '\u{202e}'] {
+        assert!(!page.contains(hidden), "{hidden:?}");
+    }
+}
