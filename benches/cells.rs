@@ -3,9 +3,9 @@
 //! contain at least one `NAME`.
 //!
 //! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and
-//! 20 deg of the best layout of a short search. "Ideal" layouts need to work only at their nominal
-//! placements. Layouts "to build" must stay feasible at all misplacements within the placement tolerances.
-//! The program prints medians in microseconds as a table.
+//! 20 deg of the best layout of a short search. The program prints medians in microseconds as a table. In the
+//! "ideal" columns, a layout needs to work only at its nominal placements. In the "to build" columns, it must
+//! stay feasible at all misplacements within the placement tolerances.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the cells, a benchmark has nothing to measure
 

@@ -106,8 +106,9 @@ fn ur5(c: &mut Criterion) {
 /// Measures arms whose inverse kinematics has no closed form. Each arm has the D-H rows of a PUMA 560 or a
 /// UR5, with every value changed by up to `size` (rad and m).
 ///
-/// If `size` is small, Newton's method refines the solutions of a closed form. If `size` is large, only the
-/// elimination method for general six-axis arms can be used. About half of the poses are then out of reach.
+/// If `size` is small, Newton's method refines the closed-form solutions of a similar arm. If `size` is
+/// large, only the elimination method for general six-axis arms can be used. About half of the poses are then
+/// out of reach.
 fn disturbed(c: &mut Criterion) {
     for (name, data) in [("puma560.toml", "b_puma560_T.bin"), ("ur5.toml", "b_ur5_T.bin")] {
         let poses = poses(data);

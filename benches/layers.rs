@@ -88,10 +88,10 @@ fn node(c: &mut Criterion) {
 
 /// Measures the readings of the errors. The operation has the sense xyz, which has three components.
 ///
-/// The first two benchmarks visit every branch of one target, which the function `node` also uses. The first
-/// benchmark computes the value of the signed reading. The second benchmark
-/// computes the exact worst case and the covariance of the linear model. Further benchmarks compute the
-/// nonlinear worst-case and statistical figures of one posture.
+/// The first two benchmarks visit every branch of one target: every posture that reaches this target. The
+/// function `node` uses the same target. The first benchmark computes the value of the signed reading. The
+/// second benchmark computes the exact worst case and the covariance of the linear model. Further benchmarks
+/// compute the nonlinear worst-case and statistical figures of one posture.
 fn readings(c: &mut Criterion) {
     let mut cell = shipped("hitachi_ideal.toml");
     cell.model = Model::Linear;
@@ -211,8 +211,8 @@ fn evaluate(c: &mut Criterion) {
     }
 }
 
-/// Measures `evaluate` on the plausible layouts with one thread and with two, in parts of at least 50
-/// layouts.
+/// Measures `evaluate` on the plausible layouts with one thread and with two threads. A thread takes at least
+/// 50 layouts at a time.
 fn threads(c: &mut Criterion) {
     let workcell = Workcell::new(shipped("hitachi_ideal.toml")).expect("the cell");
     let layouts = &layouts(&workcell.cell)[1000..];
@@ -226,8 +226,8 @@ fn threads(c: &mut Criterion) {
     }
 }
 
-/// Measures the work per layout before any node: placing the solids, and checking the floor spaces for
-/// overlaps.
+/// Measures the work per layout that precedes the evaluation of the nodes: placing the solids, and checking
+/// the floor spaces for overlaps.
 fn layout(c: &mut Criterion) {
     let cell = shipped("hitachi_ideal.toml");
     let layouts = layouts(&cell);

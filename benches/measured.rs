@@ -45,7 +45,8 @@ type Study = fn(&Data);
 struct Data {
     chain: Chain,
     series: Vec<Vec<MeasuredPosition>>,
-    /// Spot of every pose of series A: its commanded position in units of 0.1 m.
+    /// Spot of every pose of series A: the commanded position of the pose, rounded to multiples of 0.1 m. The
+    /// unit is 0.1 m.
     spots: Vec<[i64; 3]>,
 }
 

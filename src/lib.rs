@@ -41,10 +41,10 @@
 //! | [`cell`] | model of the workcell | plain data, valid by construction |
 //! | [`robot`] | forward kinematics | joint coordinates to frames |
 //! | [`kinematic_error`] | error models | frames and a sample of errors to position and rotation error |
-//! | [`calibration`] | identification | measured positions to the errors of a robot, their covariance and rank |
+//! | [`calibration`] | identification | measured positions to robot errors, their covariance and rank |
 //! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`allocation`] | tolerance allocation | costs of tolerances and limits to the cheapest tolerances |
-//! | [`verification`] | measured against predicted | measured positions and error set to residuals, coverage, ranks |
+//! | [`verification`] | comparison | measured positions and error set to residuals, coverage, ranks |
 //! | [`reach`] | inverse kinematics | TCP pose to all postures, or to the reason for failure; envelope |
 //! | [`correction`] | corrected programme | target and errors to corrected joint coordinates |
 //! | [`pose_accuracy`] | test of ISO 9283 | tolerances to the accuracy that a data sheet states, and back |
@@ -59,9 +59,9 @@
 //! | [`assess`] | assessment | layout to all its figures; comparison of layouts |
 //! | [`drawing`] | content of pictures | an assessment to solids, arrows, envelope, motion |
 //! | [`raster`] | pictures | a drawing to an isometric picture: PNG and SVG |
-//! | [`files`] | input files | TOML, URDF and mesh files to a validated [`cell::Cell`]; schemas of the files |
-//! | [`record`] | documents | assessments to typed documents: JSON, CSV, Parquet, schemas |
-//! | [`report`] | output | records to JSON, CSV, SVG, TOML, text |
+//! | [`files`] | input files | TOML, URDF and mesh files to a validated [`cell::Cell`]; file schemas |
+//! | [`record`] | documents | assessments to typed documents and tables; JSON Schemas |
+//! | [`report`] | output | records and drawings to JSON, CSV, Parquet, HTML, PDF, SVG, DXF, TOML, text |
 //! | `cli` | command line | arguments, files, progress, exit codes |
 //! | [`study`] | stable entry point | a cell file and keys to evaluations and searches |
 //!

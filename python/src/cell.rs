@@ -39,7 +39,7 @@ pub struct Cell {
     workcell: Arc<OnceLock<Arc<Workcell>>>,
 }
 
-/// State of a cell that is pickled: path, packages, files and settings.
+/// Pickled state of a cell: path, packages, files and settings.
 type Pickled =
     (PathBuf, Vec<(String, PathBuf)>, Vec<(String, Vec<u8>)>, Vec<(String, String, Option<String>)>);
 

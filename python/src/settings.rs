@@ -79,14 +79,16 @@ pub fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     Err(PyTypeError::new_err(format!("a key of a cell cannot have a value of type {kind}")))
 }
 
-/// Returns the settings of the flags in `given`, for a function `name` that takes no other flags.
+/// Returns the settings of the flags in `given`. The Python function `name` takes only the flags `QUESTION`
+/// and refuses all other flags.
 pub fn of_question(name: &str, given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Setting>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     refuse_others(name, given, &QUESTION)?;
     Ok(question(given)?.settings())
 }
 
-/// Returns the settings of the flags of a search in `given`.
+/// Returns the settings of the flags in `given`. The Python function `name` takes only the flags `QUESTION`
+/// and `SEARCH`.
 pub fn of_search(name: &str, given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Setting>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     refuse_others(name, given, &[&QUESTION[..], &SEARCH[..]].concat())?;

@@ -48,8 +48,10 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Loads a cell for a search, and prints notes. Refuses `--set`. Refuses `--sense` if a limit in the cell
-/// file has a different unit from the sense, unless `--limit` replaces that limit.
+/// Loads a cell for a search. Prints notes on the reading of the errors and on ignored flags.
+///
+/// Refuses `--set`. Also refuses `--sense` if a limit in the cell file has a different unit from the sense,
+/// unless `--limit` replaces that limit.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;

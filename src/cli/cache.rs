@@ -66,7 +66,8 @@ fn is_ours(about: &std::fs::Metadata) -> bool {
     about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
 }
 
-/// Returns true: outside Unix, the cache folder is assumed to be private to the user.
+/// Returns true, which lets the cache use the file. Outside Unix, the cache folder counts as private to the
+/// user.
 #[cfg(not(unix))]
 fn is_ours(_about: &std::fs::Metadata) -> bool {
     true

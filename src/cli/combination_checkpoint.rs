@@ -50,9 +50,11 @@ impl<'f> CombinationCheckpoint<'f> {
         self.folder.join(self.name())
     }
 
-    /// Reads the state from which the search continues. Returns None if there is no checkpoint that fits.
+    /// Reads the state from which the search continues. Returns None if the checkpoint is missing, damaged or
+    /// from another search.
     ///
-    /// `bound` is None if the caller has made no proof, and Some(None) if its proof found no bound.
+    /// `bound` is None if the caller has not proven a lower bound, and Some(None) if the proof found no
+    /// bound.
     pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<StoredSearch> {
         if !self.path().is_file() {
             return None;

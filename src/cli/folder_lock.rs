@@ -117,7 +117,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     file.metadata().ok().zip(path.metadata().ok()).is_some_and(|(a, b)| same(a, b))
 }
 
-/// Returns true, because the path is compared with the file on Unix only.
+/// Returns true: on a system other than Unix, the path is assumed to still name this open file.
 #[cfg(not(unix))]
 fn is_at(_file: &File, _path: &Path) -> bool {
     true

@@ -10,11 +10,11 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// Limit of the number of workers that die while they process one combination. At this number, the other
-/// workers give up the combination.
+/// Number of dead workers at which the other workers give up a combination. Only workers that died while they
+/// processed this combination count.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Number of leases for which other workers wait for the files of a combination that is reported as done. A
+/// Time, in leases, for which a worker waits for the files of a combination whose owner reports it as done. A
 /// network share may show these files late.
 const LATE_LEASES: u32 = 3;
 

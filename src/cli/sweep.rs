@@ -48,8 +48,8 @@ pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit>
     Ok((plan, FileSnapshot::default()))
 }
 
-/// Reads the plan of a folder, and replaces its version with the version of this program. [`open`] compares
-/// this version with the stored version, and refuses the plan if they differ.
+/// Returns the plan stored in a folder, but with the version of this program. [`open`] compares this plan
+/// with the stored plan, and thus refuses a plan that another version has written.
 pub fn joined_plan(folder: &Path) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     Ok(SweepPlan { version, sha256: None, ..stored_plan(folder)? })

@@ -133,7 +133,7 @@ pub fn read(folder: &Path, index: usize, number: u32) -> Option<Vec<u8>> {
 }
 
 /// Returns the number and the bytes of the newest claim to a combination. Ignores claims before claim
-/// `number`. The bytes are None if this claim cannot be read.
+/// `number`. The bytes are None if the newest claim cannot be read.
 pub fn newest(folder: &Path, index: usize, mut number: u32) -> (u32, Option<Vec<u8>>) {
     let mut bytes = read(folder, index, number);
     while let Some(next) = read(folder, index, number + 1) {

@@ -64,8 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Recognition does not
-    /// mistake a damaged file of another kind for one of these kinds.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. A damaged
+    /// file of another kind is never recognized as one of these kinds.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

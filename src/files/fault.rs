@@ -18,7 +18,7 @@ pub enum Severity {
 /// Kind of a fault. The kind decides the exit code and whether a command prints a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
-    /// Wrong content, or an unreadable file to which [`Self::Unreadable`] does not apply.
+    /// Wrong content, or an unreadable file other than the cell or robot file.
     #[default]
     Content,
     /// The cell or robot file itself cannot be read.

@@ -68,7 +68,7 @@ pub enum AllocationStatus {
     Infeasible,
 }
 
-/// Uniform tightening: one scale for all tolerances with which every limit is met.
+/// Uniform tightening: one scale for all tolerances, chosen so that every limit is met.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UniformEntry {

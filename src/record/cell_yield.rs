@@ -7,12 +7,11 @@ use crate::cell::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of arms that stay within the limits of the operations, estimated by Monte Carlo with the nonlinear
-/// model.
+/// Share of sampled arms that stay within the limits of the operations at their spots (Monte Carlo, nonlinear
+/// model).
 ///
-/// One sample is one arm in one cell. For each sample, the error of every operation at its spot is compared
-/// with the limit. An operation at every node is judged at its worst node. An operation without a limit
-/// counts as within its limit. The intervals are Wilson score intervals for 95 %.
+/// An operation at every node is judged at its worst node. An operation without a limit counts as within its
+/// limit. The intervals are Wilson score intervals for 95 %.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CellYieldEntry {

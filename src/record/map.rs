@@ -253,9 +253,9 @@ pub struct GuardEntry {
 pub struct ExtrapolatedEntry {
     /// Number of usable nodes at which a joint is outside its measured range.
     pub nodes: usize,
-    /// Names of the joints that are outside their measured range at one of these nodes.
+    /// Names of the joints that are outside their measured range at one or more usable nodes.
     pub joints: Vec<String>,
-    /// Whether the spot is one of these nodes.
+    /// Whether a joint is outside its measured range at the spot.
     pub spot: bool,
 }
 

@@ -73,7 +73,7 @@ pub struct TriedEntry {
     pub candidates: usize,
     /// Number of postures at which the robot touches an object or is nearer to an object than the clearance.
     pub colliding: usize,
-    /// Number of other postures at which the tracker does not see the reflector.
+    /// Number of collision-free postures at which the tracker does not see the reflector.
     pub hidden: usize,
 }
 

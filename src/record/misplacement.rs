@@ -57,8 +57,8 @@ pub struct MisplacedOperation {
 pub struct RobustnessEntry {
     /// Value of the operation without misplacement, in the unit of the objective.
     pub value: f64,
-    /// Half widths of the tolerance box of the robot base and the equipment on which the operation depends.
-    /// Empty if these placements have no tolerance.
+    /// Placement tolerances (half widths) of the robot base and of the equipment on which the operation
+    /// depends. Empty if none of these placements has a tolerance.
     pub tolerance: MovesByName,
     /// Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`.
     pub corners: usize,

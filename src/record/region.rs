@@ -45,7 +45,7 @@ pub struct RegionEntry {
 pub struct TurnEntry {
     /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
-    /// Reason that limits the rotation at the end of `turn_deg` that is nearer to 0.
+    /// Reason why the rotation cannot exceed the angle in `turn_deg` that is nearer to 0.
     pub ends_with: String,
 }
 

@@ -17,8 +17,9 @@ impl Identifiers {
     /// Returns the identifier of a name: `prefix`, then the name with `_` in place of all characters other
     /// than letters and digits.
     ///
-    /// The prefix must begin with a letter. If an identifier is already given, a number at the end makes the
-    /// new identifier different.
+    /// A prefix must begin with a letter, unless it is empty. An empty prefix requires a name that begins
+    /// with an ASCII letter. If an identifier is already given, a number at the end makes the new identifier
+    /// different.
     pub fn give(&mut self, prefix: &str, name: &str) -> String {
         let plain = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
         let whole: String = prefix.chars().chain(plain).collect();

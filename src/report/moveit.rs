@@ -36,7 +36,8 @@ use crate::units::rounded;
 /// Returns the planning scene of a layout in the frame of the robot base. Spots are subframes of the
 /// equipment.
 ///
-/// MoveIt has no objects without shapes, so equipment without solids and its spots are left out.
+/// MoveIt has no objects without shapes. Equipment without solids is therefore left out, together with its
+/// spots.
 pub fn scene(drawing: &Drawing<'_>) -> String {
     let (cell, layout) = (ascii(&drawing.cell.name), ascii(&drawing.name));
     let mut text = format!("{cell} ({layout}, in the frame of the robot base)\n");

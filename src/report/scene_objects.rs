@@ -52,9 +52,9 @@ pub const WORLD: &str = "world";
 
 /// Returns the pedestal, the equipment and obstacles, the fence and the keep-out boxes of a layout.
 ///
-/// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]. Without a
-/// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A [`Shape::Leg`]
-/// becomes a box that stands on the floor.
+/// The first object has the name [`ROBOT_BASE`] and the frame of the robot base. Only the pedestal belongs to
+/// this object. Without a pedestal, the object has no solids. A capsule becomes a cylinder with two spheres.
+/// A [`Shape::Leg`] becomes a box that stands on the floor.
 pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {
     let cell: &'a Cell = drawing.cell;
     let mut names = Identifiers::new(60);

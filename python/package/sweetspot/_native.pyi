@@ -91,11 +91,11 @@ class Cell:
     ) -> Cell:
         """Reads a cell from the text of a cell file. The files to which the text refers are in `folder`."""
     def with_(self, *sets: str | Mapping[str, Any], **question: Unpack[_Question]) -> Cell:
-        """Returns the cell with other settings: texts `PATH=VALUE` as after `--set`, dicts of paths and values, or the
-        flags that choose errors and their interpretation."""
+        """Returns the cell with other settings. Each of `sets` is a text `PATH=VALUE` as after `--set`, or a dict of
+        paths and values. The keywords `question` choose the errors and their interpretation."""
     def with_errors(self, errors: Errors) -> Cell:
-        """Returns the cell with identified errors of the robot. A cell that states no reading gets the default reading
-        for these errors."""
+        """Returns the cell with identified errors of the robot. If the cell states no reading (signed, worst-case or
+        statistical), the default reading for these errors applies."""
     def map(
         self, operation: str | None = None, *, senses: Literal["all", "own"] = "all", **question: Unpack[_Question]
     ) -> Map:
@@ -121,17 +121,20 @@ class Cell:
     def budget(
         self, operation: str | None = None, *, at: tuple[int, int] | None = None, **question: Unpack[_Question]
     ) -> BudgetDocument:
-        """Returns the share of each parameter in the error at the spots of one or of all operations, or at the node
-        `at` of one operation."""
+        """Returns the share of each parameter in the error at the spot of every operation. If `operation` is given, the
+        record contains only this operation. If `at` is given, the node `at` (i, j) of the operation replaces the
+        spot."""
     def robust(self, **question: Unpack[_Question]) -> RobustDocument:
-        """Returns the sensitivity to misplaced equipment, and the largest misplacement within the limits."""
+        """Returns the sensitivity of every operation to misplaced equipment. The record also states the largest
+        misplacement at which the operation stays feasible and within its limit."""
     def report(self, path: _Path) -> VerdictDocument:
-        """Writes one HTML page about the start layout, and returns the verdict. An existing page is replaced."""
+        """Writes one HTML page about the start layout. Returns the record of the verdict, which is the answer at the
+        top of the page. An existing page is replaced."""
     def view(self, *, port: int = 0, open: bool = False) -> View:
         """Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is not in
         use, and `open` opens the page in the browser."""
     def evaluator(self) -> Evaluator:
-        """Returns a function from layouts to costs, for an optimizer of the user's own."""
+        """Returns a function from layouts to costs, which your own optimizer can call."""
     @property
     def name(self) -> str: ...
     @property
@@ -225,7 +228,8 @@ class Search:
     def evaluations(self) -> int:
         """Number of layouts evaluated."""
     def report(self, path: _Path) -> VerdictDocument:
-        """Writes one HTML page about the result, and returns the verdict. An existing page is replaced."""
+        """Writes one HTML page about the result. Returns the record of the verdict, which is the answer at the top of
+        the page. An existing page is replaced."""
     def _repr_html_(self) -> str: ...
 
 @final
@@ -398,7 +402,7 @@ def compare(*layouts: Cell | Search, names: list[str] | None = None) -> Comparis
     """Compares the start layouts of cells and the best layouts of searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
-    """Returns a function from layouts to costs, for an optimizer of the user's own."""
+    """Returns a function from layouts to costs, which your own optimizer can call."""
 
 def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
     """Returns a built-in robot by its name, or reads a robot file or a URDF."""

@@ -255,10 +255,9 @@ class CalibrationDocument(Record):
 
 
 class CellYieldEntry(Record):
-    """Share of arms that stay within the limits of the operations, estimated by Monte Carlo with the nonlinear
-    model. One sample is one arm in one cell. For each sample, the error of every operation at its spot is
-    compared with the limit. An operation at every node is judged at its worst node. An operation without a
-    limit counts as within its limit. The intervals are Wilson score intervals for 95 %.
+    """Share of sampled arms that stay within the limits of the operations at their spots (Monte Carlo, nonlinear
+    model). An operation at every node is judged at its worst node. An operation without a limit counts as
+    within its limit. The intervals are Wilson score intervals for 95 %.
     """
 
     samples: int
@@ -793,9 +792,9 @@ class ExtrapolatedEntry(Record):
     nodes: int
     """Number of usable nodes at which a joint is outside its measured range."""
     joints: List[str]
-    """Names of the joints that are outside their measured range at one of these nodes."""
+    """Names of the joints that are outside their measured range at one or more usable nodes."""
     spot: bool
-    """Whether the spot is one of these nodes."""
+    """Whether a joint is outside its measured range at the spot."""
 
 
 class FactEntry(Record):
@@ -1999,8 +1998,8 @@ class RobustnessEntry(Record):
     value: float
     """Value of the operation without misplacement, in the unit of the objective."""
     tolerance: Dict[str, MoveEntry]
-    """Half widths of the tolerance box of the robot base and the equipment on which the operation depends. Empty
-    if these placements have no tolerance.
+    """Placement tolerances (half widths) of the robot base and of the equipment on which the operation depends.
+    Empty if none of these placements has a tolerance.
     """
     corners: int
     """Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`."""
@@ -2735,7 +2734,7 @@ class TriedEntry(Record):
     colliding: int
     """Number of postures at which the robot touches an object or is nearer to an object than the clearance."""
     hidden: int
-    """Number of other postures at which the tracker does not see the reflector."""
+    """Number of collision-free postures at which the tracker does not see the reflector."""
 
 
 class TurnEntry(Record):
@@ -2746,7 +2745,7 @@ class TurnEntry(Record):
     turn_deg: _Numbers
     """Least and greatest angle of the rotation."""
     ends_with: str
-    """Reason that limits the rotation at the end of `turn_deg` that is nearer to 0."""
+    """Reason why the rotation cannot exceed the angle in `turn_deg` that is nearer to 0."""
 
     _nested = {
         'turn_deg': ('numbers', ''),
@@ -2754,7 +2753,7 @@ class TurnEntry(Record):
 
 
 class UniformEntry(Record):
-    """Uniform tightening: one scale for all tolerances with which every limit is met."""
+    """Uniform tightening: one scale for all tolerances, chosen so that every limit is met."""
 
     scale: float
     cost: float

@@ -81,9 +81,10 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
 /// Returns the cell to draw, its file and the best layout of a result folder. The layout is None if the
 /// returned cell is exported as drawn.
 ///
-/// Reads the original cell of the search from a result folder, unless a flag changes the cell or `--start` is
-/// given. The drawing shows the regions in which the equipment may stand within the search ranges of this
-/// cell.
+/// In a result folder, the function reads the original cell of the search and the best layout. This cell has
+/// search ranges, and the drawing shows the regions in which the equipment may stand within them. If a flag
+/// changes the cell, the function reads best.toml as the cell. If `--start` is given, it reads the cell file
+/// of the search.
 fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
     let file = cell_file(&a.of, a.start)?;
     if a.of.is_dir() && !a.start && a.question.words().is_empty() {

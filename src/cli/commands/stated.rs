@@ -37,13 +37,13 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|own| extensions.iter().any(|e| own.eq_ignore_ascii_case(e)))
 }
 
-/// Returns whether a file is a URDF, as its extension shows.
+/// Returns whether a file has the extension of a URDF.
 pub fn is_urdf(path: &Path) -> bool {
     has_extension(path, &["urdf"])
 }
 
-/// Returns whether a file states a calibration, as its extension shows. `calibrate` fits no errors to such a
-/// file.
+/// Returns whether a file has the extension of a file that states a calibration: YAML, conf or URDF.
+/// `calibrate` takes the errors from such a file, and fits nothing.
 pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
 }

@@ -85,7 +85,8 @@ fn longest_stretch(
     best
 }
 
-/// Returns the place of a table whose depth is the fraction `share` of a range of radii.
+/// Returns the place of a table in the range of radii `stretch`. The depth of the table is the fraction
+/// `share` of this range, but at most 0.4 times the reach.
 fn place(
     stretch: &ReachableStretch,
     share: f64,

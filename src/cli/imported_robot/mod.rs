@@ -271,7 +271,7 @@ fn guesses(robot: &Robot) -> (&'static str, Guesses) {
     (preset.name, Guesses { errors, footprint_mm: ((side / 10.0).round() * 10.0).max(100.0) })
 }
 
-/// URDF as text, with its outline.
+/// Text of a URDF, with the [`UrdfOutline`] that was read from it.
 struct UrdfSource<'a> {
     path: &'a Path,
     text: &'a str,

@@ -1,7 +1,8 @@
 //! Local web server with limits on connections, headers, bodies and time.
 //!
-//! Anybody on this machine can connect. A connection without the secret must therefore cost little: a head of
-//! limited size and time, no body, no thread. One thread accepts and serves all connections. The response to
+//! Anybody on this machine can connect. A connection without the secret must therefore cost little. The
+//! head of a request is limited in size and must arrive within a time limit. The server reads no body and
+//! starts no thread for such a connection. One thread accepts and serves all connections. The response to
 //! each admitted request is computed in a separate thread, so a long computation delays no other request.
 
 use super::LiveView;
@@ -33,7 +34,7 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 const MAX_HEADERS: usize = 100;
 /// Largest body of a request, bytes; requests of the page have a few hundred bytes.
 const MAX_BODY_BYTES: usize = 64 << 10;
-/// Longest wait for the head of the first or the next request of a connection.
+/// Longest time that the server waits for the head of each request of a connection.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 /// Longest time that the server waits for the body of a request.
 const BODY_TIME: Duration = Duration::from_secs(10);

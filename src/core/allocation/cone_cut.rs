@@ -76,10 +76,9 @@ impl ConeCut {
 
     /// Adds the linear inequality that a dual vector of the constraint proves: `prices . u <= limit`.
     ///
-    /// Let `s` be the vector whose norm the cut limits. For any vector y, `|s| <= 1` implies
-    /// `y . s <= |y|`. The dual vector `z` of a second-order cone holds `-y` after its first component. The
-    /// inequality therefore holds exactly, whatever the accuracy of `z`. Returns `|y|`, the shadow price of
-    /// the limit.
+    /// Let `s` be the vector whose norm the cut limits. For any vector y, `|s| <= 1` implies `y . s <= |y|`.
+    /// For a second-order cone, the components of the dual vector `z` after the first are `-y`. Every `y`
+    /// gives a valid inequality, whatever the accuracy of `z`. Returns `|y|`, the shadow price of the limit.
     pub fn add_inequality(&self, z: &[f64], prices: &mut [f64], limit: &mut f64) -> f64 {
         match self {
             Self::Row { columns, constant } => {

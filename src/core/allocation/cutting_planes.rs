@@ -13,7 +13,8 @@ const MAX_ROUNDS: usize = 60;
 const COARSE_VIOLATION: f64 = 1e-3;
 /// A solution counts as meeting a limit if it violates the limit by less than this share of the limit.
 const VIOLATION: f64 = 1e-9;
-/// The solution of the dual ascent needs no cone program if its relative duality gap is at most this value.
+/// The solution of the dual ascent is final if its relative duality gap is at most this value. Otherwise cone
+/// programs solve the relaxed problem.
 const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;
@@ -169,8 +170,11 @@ impl ScaleDomain {
     }
 }
 
-/// Divides all scales by the largest figure if this figure exceeds its limit of 1. The limited accuracy of
-/// the solver causes such a violation.
+/// Divides all scales once by the largest figure if this figure exceeds its limit of 1. The limited accuracy
+/// of the solver causes such a violation.
+///
+/// No scale falls below its range, and fixed errors do not change. A figure can therefore still exceed its
+/// limit of 1.
 pub fn keep_limits(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

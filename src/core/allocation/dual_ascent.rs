@@ -14,8 +14,12 @@
 //! `g_ik` is the error at the present tolerance of parameter k, with the sign of the pattern. Each number
 //! `mu_j` belongs to a root sum square. This root sum square is `sqrt(f_j^2 + sum_k w_jk u_k^2)`. A pattern
 //! is added when the scales violate its limit. For any multipliers, the value of the dual is a lower bound of
-//! the cost. The scales are reduced until they meet every limit, so their cost is an upper bound. The gap
-//! between the two bounds is therefore known.
+//! the cost.
+//!
+//! At the end, all scales are divided once by the largest figure that exceeds its limit. No scale falls below
+//! its range, and fixed errors do not change. A figure can therefore still exceed its limit
+//! ([`priced_scales`]). If no figure does, the cost of the scales is an upper bound of the least cost. The
+//! gap between the two bounds is then known.
 
 use super::cone_cut::ConeCut;
 use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};
@@ -35,7 +39,8 @@ const MAX_HALVINGS: i32 = 40;
 const RIDGE_GROWTH: f64 = 1000.0;
 /// The dual has converged when the relative gain of a step is below this value.
 const CONVERGED: f64 = 1e-12;
-/// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
+/// A coarse ascent ends when the largest derivative of the dual is at most this value. This derivative is the
+/// relative violation of a limit. Coarse ascents find the sign patterns that bind.
 const COARSE: f64 = 1e-2;
 /// A fine ascent ends when the largest derivative of the dual is at most this value times the requested gap.
 const FINE: f64 = 0.1;
@@ -46,7 +51,7 @@ const VIOLATION: f64 = 0.01;
 /// Cheapest scales of the tolerances, found by dual ascent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PricedScales {
-    /// Scales of the tolerances, which meet every limit.
+    /// Scales of the tolerances. A figure can still exceed its limit ([`priced_scales`]).
     pub scales: Vec<f64>,
     pub cost: f64,
     /// Lower bound of the cost of all scales that meet the limits.
@@ -70,8 +75,11 @@ impl PricedScales {
 }
 
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
-/// gap is at most `gap` unless the rounds end early. They end early if a fine ascent adds no sign pattern, or
-/// after `MAX_ROUNDS` rounds.
+/// gap is at most `gap`, unless the function ends too early to reach it. It ends early if no sign pattern is
+/// missing after a fine ascent (see `FINE`), or after `MAX_ROUNDS` rounds.
+///
+/// The scales are reduced only once, so a figure can still exceed its limit. The relative excess is at most
+/// `gap` unless the function ends early. If it ends early, the excess is not checked.
 ///
 /// The costs must be continuous, and the tightest scales must meet every limit. Returns None if the ascent
 /// fails.
@@ -180,8 +188,8 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) ->
     Some(point)
 }
 
-/// Returns the dual and its terms after a full step. Returns None unless the step keeps every term and at
-/// least halves the largest derivative.
+/// Returns the dual and its terms after a full step. Returns None if the step drops a term, or if a
+/// derivative remains greater than half of `largest`.
 fn polished(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

@@ -1,9 +1,9 @@
 //! Discrete grades: branch and bound over the relaxation, which permits mixtures of grades.
 //!
-//! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
-//! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
-//! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, meet the
-//! requirements. The rounded scales are then improved by loosening single grades.
+//! A branch is a subproblem that permits only some of the grades of each parameter. The lower bound of a
+//! branch is the Lagrangian bound of its relaxation. A grade is discarded if the bound with this grade alone
+//! exceeds the best known cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter
+//! grades, meet the requirements. The rounded scales are then improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
@@ -15,7 +15,8 @@ use std::collections::BinaryHeap;
 
 /// Largest number of branches; the lower bound is valid even if the search ends at this number.
 const MAX_BRANCHES: usize = 4000;
-/// Relative gap at which a branch counts as closed.
+/// Relative gap at which a branch is closed (not split further). The gap is between the lower bound of the
+/// branch and the best known cost.
 const CLOSED: f64 = 1e-9;
 /// Largest violation of a limit, as a share of the limit, that rounding may cause. Grades with at most this
 /// violation still meet the limit.
@@ -173,7 +174,8 @@ impl GradeSearch<'_> {
         vec![with(loose), with(tight)]
     }
 
-    /// Optimizes the continuous scales of a branch with one grade per parameter.
+    /// Optimizes the continuous scales of a branch in which each parameter with grades has only one grade
+    /// left.
     fn finish(&mut self, domains: &[ScaleDomain]) {
         if let Some(relaxed) = self.pool.relaxed(self.costs, domains, self.figures, self.scratch) {
             self.consider(&relaxed.scales);

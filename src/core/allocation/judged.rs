@@ -3,10 +3,11 @@
 //!
 //! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
 //! judged figure at the scales of the previous round. The square of a judged figure may be a convex function
-//! of the squared scales, for example if the figure is a high percentile. In that case the linear figures
-//! bound the judged figure from below, and all of them are kept as cuts. Kelley's method then converges to
-//! the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8,
-//! 1960). Otherwise each round replaces the linear figures of the previous round.
+//! of the squared scales, for example if the figure is a high percentile. In that case every linear figure is
+//! a lower bound of the judged figure. The linear figures of all rounds then stay in the problem as cuts:
+//! constraints that every solution must satisfy. Kelley's method then converges to the cheapest tolerances
+//! (J. E. Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8, 1960). Otherwise each
+//! round replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};
@@ -14,7 +15,7 @@ use super::solution::{AllocationFailure, ToleranceAllocation, allocate};
 use super::uniform::uniform_scale;
 use crate::cell::ToleranceCost;
 
-/// Largest number of rounds if all linear figures are kept as cuts.
+/// Largest number of rounds if the linear figures of all rounds are kept as cuts.
 const MAX_ROUNDS: usize = 40;
 /// Largest number of rounds if each round replaces the linear figures.
 const MAX_REPLACING_ROUNDS: usize = 10;
@@ -22,9 +23,9 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// A requirement gets a first cut if its ratio of figure to limit reaches this share of the largest ratio.
-/// Both ratios belong to the initial scales. This rule applies if linear figures are kept as cuts. Otherwise
-/// every requirement gets a linear figure.
+/// Share of the largest ratio of figure to limit at the initial scales. In the first round, a requirement
+/// gets a cut only if its ratio reaches this share. This rule applies only if linear figures are kept as
+/// cuts. Otherwise every requirement gets a linear figure in every round.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
@@ -37,7 +38,8 @@ pub trait ToleranceJudge {
     /// Returns the linear figures of the requirements `which` at the scales that were judged last.
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
-    /// Returns whether linear figures bound the judged figures from below, so that they may be kept as cuts.
+    /// Returns whether every linear figure is a lower bound of its judged figure. Only such linear figures
+    /// may be kept as cuts.
     fn is_bounded_by_linear(&self) -> bool;
 }
 

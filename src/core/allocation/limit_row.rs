@@ -120,8 +120,8 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least multiplier with which the scales keep the constraint, by Newton's method within a
-    /// bracket.
+    /// Returns the least multiplier with which the cheapest scales keep the constraint. Newton's method
+    /// within a bracket finds the multiplier.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

@@ -71,7 +71,8 @@ impl LinearFigure {
     }
 
     /// Writes to `row` the component of the error along the direction of the worst sign pattern at the scales
-    /// `u`. This component never exceeds the worst case. A root sum square is written unchanged.
+    /// `u`. This component never exceeds the worst case. For a root sum square, the function copies the
+    /// squares and the constant to `row`.
     pub(super) fn along_worst(&self, u: &[f64], row: &mut LimitRow, scratch: &mut FigureScratch) {
         row.linear.clear();
         row.squares.clear();
@@ -98,8 +99,8 @@ impl LinearFigure {
     /// Adds to a row the absolute values of the scalar products of the errors with a multiplier vector.
     ///
     /// At any scales, the added error never exceeds the worst case times the length of the vector. So the
-    /// length of the vector is the weight of the worst case in the row. A root sum square adds its square,
-    /// multiplied by the first component of the vector.
+    /// length of the vector is the weight of the worst case in the row. For a root sum square, the function
+    /// adds the square of the figure, multiplied by the first component of the vector.
     pub(super) fn add_along(&self, y: &Vector6<f64>, row: &mut LimitRow) {
         match self {
             Self::RootSumSquare { squares, constant } => {

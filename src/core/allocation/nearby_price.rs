@@ -11,7 +11,7 @@ use super::pricing::{GAP, ROUNDING, TolerancePricing};
 use crate::cell::ToleranceCost;
 use nalgebra::Vector6;
 
-/// Largest number of Newton steps to find a common factor of the multipliers.
+/// Largest number of Newton steps to find the factor by which all known multipliers are scaled.
 const STEPS: usize = 3;
 
 /// Cheapest tolerances that meet the limits of some figures. They bound the prices of similar figures.
@@ -40,7 +40,8 @@ impl NearbyPrice {
         near.reduced_cost(costs, figures, scratch).map(|_| near)
     }
 
-    /// Returns a number between the price of `figures` and `most`; None if the price exceeds `most`.
+    /// Returns an upper bound of the price of `figures`. The bound is at most `most`. Returns None if the
+    /// price exceeds `most`.
     pub fn within(
         &self,
         tolerances: &TolerancePricing,

@@ -10,8 +10,8 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Lower limit of the variance from which a numerical step is computed, as a share of the largest variance.
-/// A smaller variance gets the step that belongs to this limit.
+/// Share of the largest variance that sets the smallest numerical step. The step of a variance is `STEP`
+/// times the variance. For a small variance, this share of the largest variance replaces the variance.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -199,8 +199,8 @@ impl NodeFigure<'_> {
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
-    /// The squared percentile depends only on the eigenvalues of the covariance. One percentile per
-    /// eigenvalue therefore gives the slopes for all parameters.
+    /// The squared percentile depends only on the eigenvalues of the covariance. The function therefore
+    /// computes only one percentile per eigenvalue, whatever the number of parameters.
     pub fn normal_percentile(
         &self,
         free: &[Parameter],

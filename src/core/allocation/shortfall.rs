@@ -1,5 +1,5 @@
-//! Infeasible requirements: how far a figure exceeds its limit even at the tightest tolerances, and the lower
-//! bounds of scales that cause this excess.
+//! Infeasible requirements: the excess of a figure over its limit at the tightest tolerances, and the causes
+//! of this excess. Each cause is the lower bound of a scale.
 
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;
@@ -15,7 +15,8 @@ pub struct ToleranceShortfall {
     pub limit: f64,
     /// Least figure that the bounds permit.
     pub least: f64,
-    /// Lower bounds of scales that cause the excess, the most effective first.
+    /// Lower bounds that cause the excess, each for the scale of one parameter. The bound with the greatest
+    /// contribution comes first.
     pub bounds: Vec<BoundInTheWay>,
 }
 

@@ -12,7 +12,8 @@ use crate::layout::Workcell;
 use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
-/// Largest relative margin, limit minus figure, at which a requirement counts as binding.
+/// Largest relative margin at which a requirement counts as binding: limit minus figure, divided by the
+/// limit.
 const BINDING: f64 = 1e-4;
 
 /// Parameter whose tolerance is chosen.
@@ -210,8 +211,8 @@ impl<'a> CellAllocation<'a> {
         place.map_or(1.0, |place| scales[place])
     }
 
-    /// Calls `each` for every requirement whose index is in `which`, and collects the results. The figures
-    /// that `each` receives belong to `workcell`.
+    /// Calls `each` for every requirement whose index is in `which`, and collects the results. `each`
+    /// receives the index of the requirement and its figure, which is computed for `workcell`.
     pub(super) fn visit<T>(
         &self,
         workcell: &Workcell,

@@ -108,7 +108,8 @@ impl<'a> OperationCorrector<'a> {
         CorrectedTarget { target: *target, nominal: *nominal, before, correction, random }
     }
 
-    /// Returns the root mean square of the random errors at joint coordinates, to first order.
+    /// Returns the root mean squares of the random position error (m) and the random rotation error (rad) at
+    /// `joints`, to first order. Returns None if no error is random.
     fn random(&self, context: &WorkContext, joints: &JointVector) -> Option<(f64, f64)> {
         let (cell, sources) = (&self.workcell.cell, &self.evaluator.sources);
         let factors = sources.independent().into_iter();

@@ -84,11 +84,10 @@ pub struct Explanation<'a> {
     /// the equipment are ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
-    /// Deviation of the linear model from the nonlinear model in position, as a share of the nonlinear
-    /// position error.
+    /// Deviation of the linear position error from the nonlinear position error, as a share of the latter.
     pub linear_off: f64,
-    /// Deviation of the second-order model from the nonlinear model in position, as a share of the
-    /// nonlinear position error.
+    /// Deviation of the second-order position error from the nonlinear position error, as a share of the
+    /// latter.
     pub second_order_off: f64,
 }
 
@@ -135,8 +134,8 @@ impl<'a> Explanation<'a> {
         &self.judged.figures[self.context.evaluator.own()]
     }
 
-    /// Returns the deviation of the cell's model from the nonlinear model in position, as a share of the
-    /// nonlinear position error.
+    /// Compares the position errors by the cell's model and by the nonlinear model. Returns their deviation
+    /// as a share of the nonlinear position error.
     pub fn off(&self) -> f64 {
         match self.context.evaluator.model {
             Model::Nonlinear => 0.0,

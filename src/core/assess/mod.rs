@@ -244,13 +244,14 @@ impl<'a> Assessment<'a> {
 
     /// Returns the limit of an operation and the margin that is left.
     ///
-    /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
-    /// yield, whose definition already contains the limit.
+    /// Returns None if the operation has no spot or no limit. Also returns None if the objective is a share
+    /// of failures, which already counts the arms that exceed the limit.
     ///
     /// If the objective is the cost of tolerances, the limit in the result is not an error. This limit is the
-    /// cost of the tightest tolerances. A greater cost means that the error exceeds its limit even at the
-    /// tightest tolerances. If the cost of tolerances is only one of several goals, the result is None. The
-    /// limits then apply to the errors at the chosen tolerances, not at the tolerances of the error set.
+    /// cost of the tightest tolerances, also if the quantity is the yield. A greater cost means that the
+    /// error exceeds its limit even at the tightest tolerances. If the cost of tolerances is only one of
+    /// several goals, the result is None. The limits then apply to the errors at the chosen tolerances, not
+    /// at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -276,7 +277,8 @@ impl<'a> Assessment<'a> {
         Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
-    /// Returns whether every operation with a limit and a spot certainly stays within this limit.
+    /// Returns whether every operation certainly meets its requirement. An operation for which
+    /// [`Self::requirement`] returns None does not count.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }

@@ -15,9 +15,10 @@ pub struct NodePair {
     pub j: usize,
     /// Position (x, y) of the node in the frame of the equipment, m.
     pub at: (f64, f64),
-    /// Value of the reading (m, rad or a share) in the first layout; None for an unusable node.
+    /// Value of the node (m, rad, a share of failures or a cost) in the first layout; None for an unusable
+    /// node.
     pub first: Option<f64>,
-    /// Value of the reading in the other layout; None for an unusable node.
+    /// Value of the node in the other layout; None for an unusable node.
     pub other: Option<f64>,
 }
 
@@ -38,7 +39,7 @@ pub struct OperationDifference {
 }
 
 impl OperationDifference {
-    /// Returns how many nodes have a smaller error in the other layout, and how many have a larger error
+    /// Returns how many nodes have a smaller value in the other layout, and how many have a larger value
     /// there.
     ///
     /// Only nodes that are usable in both layouts count.
@@ -57,8 +58,8 @@ impl OperationDifference {
         (count(true), count(false))
     }
 
-    /// Returns the largest absolute difference over all nodes (m, rad or a share). This value sets the
-    /// colour scale of a picture.
+    /// Returns the largest absolute difference over all nodes (m, rad, a share of failures or a cost). This
+    /// value sets the colour scale of a picture.
     pub fn largest(&self) -> f64 {
         self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
     }
@@ -104,7 +105,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
     NodePair { i: x.i, j: x.j, at: (place.x, place.y), first: value(x), other: value(y) }
 }
 
-/// Returns the value of the reading at a node; None if the node is not usable.
+/// Returns the value that the search minimizes at a node; None if the node is not usable.
 fn value(node: &NodeRecord) -> Option<f64> {
     node.usable_posture().map(|p| p.value)
 }

@@ -146,8 +146,10 @@ impl<'a> PostureContext<'a> {
 }
 
 impl PostureContext<'_> {
-    /// Returns the limit of the operation and the margin: limit minus `value`, the error under the reading,
-    /// m or rad.
+    /// Returns the limit of the operation and its margin; `value` is the error under the reading, m or rad.
+    ///
+    /// The margin is the limit minus `value`. If [`Self::worst`] holds a larger upper bound, this bound
+    /// replaces `value`.
     ///
     /// Returns None without a limit. Also returns None if the quantity is the yield, whose definition
     /// already contains the limit.

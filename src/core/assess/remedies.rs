@@ -55,7 +55,7 @@ impl<'a> Remedies<'a> {
         }
     }
 
-    /// Returns the objective of a remedy, m, rad or a share; None if its layout is not feasible.
+    /// Returns the objective of a remedy, m, rad, a share or a cost; None if its layout is not feasible.
     pub fn objective(&self, remedy: Remedy) -> Option<f64> {
         self.layout(remedy).evaluation.objective
     }

@@ -20,7 +20,7 @@ pub struct SampledRequirement {
 }
 
 impl CellAllocation<'_> {
-    /// Checks the requirements nearest to their limits by Monte Carlo samples of the nonlinear model.
+    /// Uses Monte Carlo samples of the nonlinear model to check the requirements nearest to their limits.
     pub(super) fn sampled(&self, found: &JudgedAllocation) -> Result<Vec<SampledRequirement>, NoAllocation> {
         let cell = &self.workcell.cell;
         if cell.reading != Reading::Statistical {

@@ -57,8 +57,9 @@ impl SampledSpots {
 ///
 /// Returns for each operation whether the samples confirm the figures; None without samples.
 ///
-/// A value over several nodes remains a first-order value, because samples are drawn at one node only. A
-/// robust value also remains a first-order value, because the samples ignore placement tolerances.
+/// Samples are drawn at one node only. So the value of a map stays a first-order value if the operation
+/// happens at every node. Samples ignore placement tolerances. So the value of every map stays a first-order
+/// value if the search is robust.
 pub fn take_over(
     workcell: &Workcell,
     samples: &[Option<MonteCarlo>],

@@ -9,13 +9,15 @@ use super::session::{MeasuredPosition, MeasuringSession};
 use super::taken_up::jacobian;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// Largest number of Newton steps.
+/// Largest number of Newton steps in each of the two phases of a fit. The first phase also fits the
+/// variances. The second phase keeps them fixed.
 const STEPS: usize = 100;
 /// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
-/// Smallest share of a step of Fisher's scoring that one iteration applies to the variances.
+/// Smallest fraction of a scoring step (Fisher) that one iteration applies to the variances.
 const LEAST_SHARE: f64 = 0.1;
-/// Largest step, in prior standard deviations, at which the variances may count as converged.
+/// The variances count as converged only if the largest step of an unknown is below this value. The unit of
+/// the step is the prior standard deviation.
 const ROUGHLY: f64 = 1e-3;
 /// Largest step, in prior standard deviations, that is accepted without a check of the loss.
 const SURE: f64 = 0.1;
@@ -140,8 +142,8 @@ impl<'a> Fit<'a> {
         Ok(largest)
     }
 
-    /// Changes the variances by a share of one scoring step, and returns their largest relative change with
-    /// its sign.
+    /// Applies the fraction `share` of one scoring step to the variances of the misfit. Returns the relative
+    /// change of largest absolute value, with its sign.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {

@@ -26,7 +26,7 @@ pub(super) struct FitProblem<'a> {
 
 impl FitProblem<'_> {
     /// Returns the initial variances of the misfit. The argument `spread` is the standard deviation (m, per
-    /// axis) of measured positions from predicted positions.
+    /// axis) of measured minus predicted positions.
     fn expected_misfit(&self, spread: f64) -> ResidualVariances {
         let has_harmonics = self.unknowns.iter().any(|u| u.is_harmonic());
         ResidualVariances::expected(self.chain, has_harmonics, spread)

@@ -10,7 +10,7 @@ use crate::cell::{Parameter, PeriodicError};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Number of coordinates of a joint over which a variance is averaged.
+/// Number of values of one joint coordinate over which a variance is averaged.
 const COORDINATES: usize = 256;
 
 impl Calibration {

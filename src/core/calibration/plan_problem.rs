@@ -17,11 +17,12 @@ const OF_SET_UP: usize = OF_BASE + 3;
 /// Errors of measured positions that the unknowns do not explain, per axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnmodelledError {
-    /// Standard deviation of the part that nearby poses share, m.
+    /// Standard deviation of the part of the error that nearby poses share, m.
     pub shared: f64,
-    /// Length scale of the shared part in the joint space, rad.
+    /// Length scale of the shared part of the error: distance in the joint space over which this part
+    /// changes, rad.
     pub length: f64,
-    /// Standard deviation of the part that is independent at every pose, m.
+    /// Standard deviation of the part of the error that is independent of the errors at all other poses, m.
     pub own: f64,
 }
 
@@ -79,8 +80,9 @@ impl IntendedCalibration<'_> {
 pub struct PlanProblem {
     /// Motion of the reflector at every candidate per standard deviation of each unknown, m.
     pub(super) slopes: Vec<Matrix3xX<f64>>,
-    /// Points that represent the candidates; the distance between two points is the distance in the joint
-    /// space, rad.
+    /// Points that represent the candidates (see `place`). The distance between two points is the root sum
+    /// square of the contributions of all joints. A revolute joint contributes the chord of its angle
+    /// difference on the unit circle.
     places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
     /// Directions in the space of the unknowns that displace the tool at the task. The mean squared error is
     /// the sum of the variances of the scalar products of these directions with the unknowns.

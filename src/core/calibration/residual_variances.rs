@@ -57,7 +57,8 @@ pub struct ResidualVariances {
 }
 
 impl ResidualVariances {
-    /// Returns the initial variances; `spread` is the standard deviation of a position per axis, m.
+    /// Returns the initial variances. The argument `spread` is the standard deviation (m, per axis) of
+    /// measured minus predicted positions.
     pub fn expected(chain: &Chain, has_harmonics: bool, spread: f64) -> Self {
         let of_joint = |kind| match kind {
             JointKind::Revolute => EXPECTED_ANGLE.powi(2),
@@ -85,8 +86,8 @@ impl ResidualVariances {
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
-    /// Returns the variances after a share of one scoring step, and their largest relative change with its
-    /// sign.
+    /// Applies the fraction `share` of one scoring step to the variances. Returns the new variances, and the
+    /// relative change of largest absolute value, with its sign.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);

@@ -17,7 +17,8 @@ pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
 /// Returns, for each random motion, the steps of the fitted frames that reproduce it best (least squares).
 /// Each column of the result belongs to one random motion.
 ///
-/// Each entry of `columns` belongs to one position. Returns None if `columns` is empty.
+/// Each entry of `columns` belongs to one position. Returns None if `columns` is empty, or if the Cholesky
+/// factorization of the normal matrix fails.
 pub fn taken_up(columns: &[PositionJacobians]) -> Option<DMatrix<f64>> {
     let (of_chain, of_frames) = columns.first()?;
     let (unknowns, frames) = (of_chain.ncols(), of_frames.ncols());

@@ -23,7 +23,7 @@ pub const FREE_STEPS: usize = 12;
 /// Largest absolute cosine of an angle that counts as a right angle.
 const RIGHT_ANGLE: f64 = 1e-12;
 
-/// Azimuth of the tool axis: its heading seen from above.
+/// Azimuth of the tool axis: direction of this axis seen from above.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Azimuth {
     /// Any azimuth is allowed.

@@ -226,7 +226,10 @@ impl Solver {
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
-    /// Relative difference up to which the lexicographic objective treats two values as equally good.
+    /// Relative difference up to which two objectives count as equally good.
+    ///
+    /// The lexicographic objective divides values into steps of this relative width. The last phase of a
+    /// search and the regions of a layout allow the objective to grow by this share.
     pub indifference: f64,
     /// Resolution of the layout: the coordinates that a search finds are multiples of this resolution.
     pub resolution: Resolution,

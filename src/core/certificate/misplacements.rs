@@ -45,8 +45,8 @@ impl Misplacements {
         self.floor = z;
     }
 
-    /// Returns the bound of the motion of a piece of equipment, m. The index after the last piece denotes the
-    /// fence, and None denotes the floor.
+    /// Returns the bound of the motion of a piece of equipment, m. The index after the last piece stands for
+    /// the fence, and None stands for the floor.
     pub fn of(&self, equipment: Option<usize>) -> f64 {
         equipment.map_or(self.floor, |k| self.equipment[k])
     }

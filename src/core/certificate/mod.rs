@@ -70,6 +70,7 @@ impl From<NoEnclosure> for NotCertified {
 
 impl NotCertified {
     /// Returns the reason as a clause about the operation, with the names that the cell gives to its parts.
+    /// For [`Self::NoTask`], the clause does not say which of the three reasons applies.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::NoTask => "no bound of the joint coordinates is known for this attitude and arm".into(),

@@ -28,8 +28,8 @@ use nalgebra::{Matrix6, Vector3};
 const GROWTH: f64 = 1.02;
 /// Least half width that is tried, rad or m. This value keeps rounding errors inside the enclosure.
 const LEAST_HALF: f64 = 1e-9;
-/// Axes count as parallel if the sine of their angle is below this value, which is far above rounding errors
-/// and far below any tolerance.
+/// Axes count as parallel if the sine of their angle is below this value. The value is far above rounding
+/// errors and far below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Largest number of trials to find half widths that pass the test.
 const TRIALS: usize = 20;
@@ -44,8 +44,8 @@ pub type Square = [Rows; MAX_ROWS];
 ///
 /// The coordinates y are displacements of the active joints. In a run of successive revolute joints with
 /// parallel axes, the coordinate of a joint is a sum. This signed sum contains the joint angles from the
-/// first joint of the run up to this joint. A change of such a sum rotates one link and shifts the links
-/// after it, so a planar arm decouples into independent links.
+/// first joint of the run up to this joint. A change of one such sum alone rotates one link, and shifts the
+/// later links without a rotation. So the links of a planar arm rotate independently.
 pub struct PosedChain<'a> {
     pub chain: &'a Chain,
     pub task: &'a ToolTask,

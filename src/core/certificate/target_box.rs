@@ -4,12 +4,13 @@
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
 use nalgebra::Vector3;
 
-/// Axis of a [`TargetBox`]: a coordinate of the target, or the heading.
+/// Axis of a [`TargetBox`]: a coordinate of the target, or the direction from which the azimuth is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoxAxis {
     /// Coordinate x, y or z of the target in the base frame.
     Position(usize),
-    /// Heading from which the attitude of the tool is measured: an angle about the vertical.
+    /// Heading: horizontal direction from which the azimuth of the tool is measured, as an angle about the
+    /// vertical axis.
     Heading,
 }
 
@@ -28,7 +29,7 @@ pub struct TargetBox {
     pub position: Vector3<f64>,
     /// Half width of the yaw of the surface, rad.
     pub yaw: f64,
-    /// Half width of the heading from which the attitude of the tool is measured, rad.
+    /// Half width of the heading ([`BoxAxis::Heading`]), rad.
     pub heading: f64,
 }
 
@@ -76,8 +77,8 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box with the half width of the heading for a radial azimuth. A radial azimuth is measured
-    /// from the direction of the target as seen from the base axis.
+    /// Replaces the half width of the heading by its value for a radial azimuth, and returns the box. The
+    /// heading of a radial azimuth is the horizontal direction from the base axis to the target.
     ///
     /// `target` is the nominal position of the target in the base frame, m.
     ///
@@ -90,7 +91,8 @@ impl TargetBox {
     }
 
     /// Returns the box of a point that is up to `length` (m) from the target and rotates with the surface.
-    /// This box is larger, because a rotation also displaces the point relative to the target.
+    /// The returned box is larger, because a rotation of the surface also displaces the point relative to the
+    /// target.
     #[must_use]
     pub fn extended_by(mut self, length: f64) -> Self {
         let by = self.heading * length;

@@ -8,16 +8,16 @@
 //!
 //! The size of a signed sample, the linear worst case, the RMS and the mean are convex functions of the
 //! effects. So the value in the box is at most the largest value at the corners plus a second term. This term
-//! applies the same function to the deviations from the linear interpolation instead of the effects.
+//! is the same function, evaluated for the deviations of the effects from their linear interpolation.
 //!
 //! A nonlinear worst case is at most the linear worst case plus the largest products of two and more errors.
 //! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most
 //! `D A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`.
 //!
-//! A percentile of a normal error is not convex. But a percentile grows with the covariance S (T. W. Anderson,
-//! "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math. Soc. 6,
-//! 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)` times the
-//! percentile at S_0.
+//! A percentile of a normal error is not convex. But a percentile grows with the covariance S (T. W.
+//! Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math.
+//! Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)`
+//! times the percentile at S_0.
 
 use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};

@@ -15,7 +15,8 @@ use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 /// solid.
 const MAX_PARTS: usize = 16;
 
-/// Least volume that a cut must save, as a share of the volume of the mesh's hull.
+/// Least reduction of the total volume of the hulls, as a share of the volume of the mesh's hull. A cut of
+/// one part into two must achieve this reduction.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
@@ -101,9 +102,9 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 
 /// Returns, for every triangle, the index of the part to which it belongs.
 ///
-/// The function repeatedly makes the cut that reduces the total volume of the hulls the most. Nine cuts of
-/// each part are tried, three for each axis. The three cuts divide the list of triangles, sorted along the
-/// axis, after one, two and three quarters.
+/// The function repeatedly cuts one part into two. It makes the cut that reduces the total volume of the
+/// hulls the most. Nine cuts of each part are tried, three for each axis. For each axis, the triangles of the
+/// part are sorted along the axis. The sorted list is cut after one, two or three quarters.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {

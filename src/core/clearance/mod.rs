@@ -14,8 +14,8 @@
 //!
 //! Equipment meshes are checked triangle by triangle, so the verdict is exact. A convex equipment mesh
 //! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts
-//! that contain the mesh. The robot is checked against itself without the clearance. Only the sides of the
-//! pedestal keep the clearance to the arm.
+//! that contain the mesh. The robot is checked against itself without the clearance. The pedestal is an
+//! exception: the arm must keep the clearance from the sides of the pedestal.
 
 mod arm_part;
 mod bodies;

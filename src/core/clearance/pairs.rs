@@ -38,9 +38,11 @@ impl Load {
         Self { held: [operation.map(|o| (o, true)), None] }
     }
 
-    /// Returns the load on the way between two operations: the parts of both operations.
+    /// Returns the load while the robot moves from one operation to another: the held parts of both
+    /// operations.
     ///
-    /// Each operation comes with a flag that states whether its part still rests on the surface.
+    /// Each argument is the index of an operation, and a flag. The flag states whether the part of this
+    /// operation may rest on the surface during the motion.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {
         Self { held: [Some(from), Some(to)] }
     }

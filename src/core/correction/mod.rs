@@ -8,8 +8,8 @@
 //! Newton's method uses the geometric Jacobian of the nominal arm. The relative difference between this
 //! Jacobian and the Jacobian of the arm with errors is about 0.001. So each step multiplies the remaining
 //! error by about 0.001, or by a larger factor near a singular posture. Position has priority over
-//! orientation. An arm with fewer than six joints attains the position with the nearest possible orientation,
-//! by least squares in the null space of the position.
+//! orientation. An arm with fewer than six joints attains the position. Least squares in the null space of
+//! the position give the nearest possible orientation.
 
 mod step;
 

@@ -1,7 +1,7 @@
 //! Time-optimal path parameterization: the least time along a given path under limits of the joints.
 //!
 //! The path q(s) is given, and s(t) is chosen. Let x be (ds/dt)^2 and u be d2s/dt2. The limits of joint j are
-//! then linear,
+//! then linear in x and u,
 //!
 //! ```text
 //! q_j'^2 x <= v_j^2,        |q_j' u + q_j'' x| <= a_j,
@@ -62,7 +62,8 @@ impl SampleLimits {
         &self.bands[..self.count]
     }
 
-    /// Returns the greatest x = (ds/dt)^2 from which x can reach a value from 0 to `next` at the next sample.
+    /// Returns the greatest (ds/dt)^2 at this sample from which (ds/dt)^2 <= `next` is reachable at the next
+    /// sample.
     ///
     /// From this sample to the next sample, s grows by `step`.
     fn controllable(&self, step: f64, next: f64) -> f64 {

@@ -1,8 +1,8 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Therefore one factor,
-//! the [`exaggeration`], enlarges all arrows of a drawing under one model and reading. The arrows of
-//! different operations can thus be compared.
+//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Arrows are
+//! therefore longer than the errors by a factor, the [`exaggeration`]. All operations of a drawing have the
+//! same factor under one model and reading, so their arrows can be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};

@@ -58,8 +58,9 @@ impl UnreachedNodes {
 
     /// Returns the mean [`Gap`] over all nodes; None if all nodes are reached.
     ///
-    /// If any node is out of reach, only distances from the reach count, and violations of joint limits do
-    /// not count. The mean then decreases whenever an unreached node comes nearer to the reach of the arm.
+    /// If any node is out of reach, the mean includes only the distances of nodes from the arm's reach.
+    /// Violations of joint limits are then left out. The mean then decreases whenever an unreached node comes
+    /// nearer to the reach of the arm.
     pub fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -144,10 +145,11 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Finds the least-error usable spot of one node; None for a node that the robot touches to teach the
-    /// frame.
+    /// Returns the outcome at one node: the least-error usable posture, or the reason why there is none.
+    /// Returns None if the robot touches the node to teach the frame.
     ///
-    /// If a usable posture of the node is known to have a value below `floor`, the result may also be None.
+    /// The search for the worst node needs no outcome of a node whose value is certainly below `floor`. The
+    /// function may therefore return None if a usable posture has a value below `floor`.
     ///
     /// # Errors
     /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.

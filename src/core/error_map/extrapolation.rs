@@ -8,22 +8,24 @@ use std::f64::consts::TAU;
 /// rounded.
 const ROUNDING: f64 = 1e-6;
 
-/// Usable nodes whose postures lie outside the measured joint ranges: their errors are extrapolated.
+/// Usable nodes whose postures lie outside the joint ranges of the calibration. The errors at these nodes are
+/// extrapolated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Extrapolation {
     /// Number of usable nodes whose postures lie outside the measured ranges.
     pub nodes: usize,
     /// Number of usable nodes.
     pub usable: usize,
-    /// Indices of the joints that leave their range at any of these nodes, in ascending order.
+    /// Indices of the joints that lie outside their measured range at one or more usable nodes, in ascending
+    /// order.
     pub joints: Vec<usize>,
     /// Whether the posture at the spot of the operation lies outside the measured ranges.
     pub has_spot: bool,
 }
 
 impl Extrapolation {
-    /// Returns the extrapolated nodes of a map; None if there are none, or if the errors have no measured
-    /// ranges.
+    /// Returns the usable nodes of a map whose postures lie outside the measured joint ranges. Returns None
+    /// if there are no such nodes, or if the error set states no measured ranges.
     pub fn of(cell: &Cell, map: &OperationMap) -> Option<Self> {
         let ErrorSet::Measured(measured) = cell.error_set() else { return None };
         let ranges = measured.ranges.as_ref()?;

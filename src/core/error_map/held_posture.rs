@@ -15,7 +15,7 @@ pub struct PointSpot {
 /// Point and posture that are kept while the layout changes a little.
 ///
 /// Closed-form inverse kinematics finds the posture again by its branch index. Inverse kinematics without
-/// branch indices (see [`Inverse::keeps_branches`]) continues the posture: the arm moves on from these joint
+/// such indices (see [`Inverse::keeps_branches`]) continues the posture. The solver starts at the kept joint
 /// coordinates, and the tool rotates with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
@@ -23,7 +23,7 @@ pub struct HeldPosture {
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Reference direction of the tool's azimuth: angle from the x axis of the base frame, rad.
+    /// Heading: azimuth in the base frame, rad, from which the azimuth of the tool is measured.
     pub heading: f64,
 }
 
@@ -35,7 +35,8 @@ impl HeldPosture {
         Self { at, ..*self }
     }
 
-    /// Returns the branch index of this posture in another layout or at another point.
+    /// Returns the branch index of the spot with this posture in another layout or at another point. The
+    /// result is [`CONTINUED`] if inverse kinematics keeps no branch indices.
     pub fn branch_elsewhere(&self, inverse: &Inverse) -> u64 {
         if inverse.keeps_branches() { self.branch } else { CONTINUED }
     }

@@ -96,8 +96,8 @@ impl Mapper {
         self.arm.chain.frames(&self.arm.chain.posture(joints))
     }
 
-    /// Returns a branch at a target; None if the branch does not exist there. The index [`CONTINUED`] denotes
-    /// the posture `kept`, continued to the target.
+    /// Returns a branch at a target; None if the branch does not exist there. If the index is [`CONTINUED`],
+    /// the branch is the posture `kept`, continued to the target.
     pub(super) fn branch_at(
         &self,
         target: &Vector3<f64>,

@@ -171,7 +171,8 @@ pub struct PostureRecord {
     pub value: f64,
     /// Figures of the error in each sense of [`OperationMap::senses`], in the same order.
     pub figures: Vec<Figures>,
-    /// Probability that the error is within the limit of the operation; None without a limit.
+    /// Probability that the error is within the limit of the operation. None without a limit, or if the
+    /// errors are not tolerances.
     pub success: Option<f64>,
 }
 

@@ -56,8 +56,8 @@ impl<'a> PlacedLayout<'a> {
 
     /// Returns this layout with the postures that its operations keep.
     ///
-    /// Spots with the branch index [`crate::reach::CONTINUED`] have these postures, continued to the targets
-    /// in this layout.
+    /// For a spot with the branch index [`crate::reach::CONTINUED`], the kept posture is continued to the
+    /// target in this layout.
     #[must_use]
     pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
         Self { kept, ..self }

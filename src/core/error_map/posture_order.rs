@@ -7,12 +7,14 @@ use crate::reach::{Cost, ToolAttitudes};
 /// Order in which the search for the spot of an operation judges postures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PostureOrder {
-    /// Nodes in ascending order of a lower bound of their error, up to the best value found.
+    /// Nodes in ascending order of a lower bound of their error. The search ends when this bound exceeds the
+    /// best value found.
     RankedNodes,
     /// Spin families (postures that differ in the last joint alone) in ascending order of a lower bound of
-    /// their error, up to the best value found.
+    /// their error. The search ends when this bound exceeds the best value found.
     SpinFamilies,
-    /// Postures in ascending order of a lower bound of their value, up to the best value found.
+    /// Postures in ascending order of a lower bound of their value. The search ends when this bound exceeds
+    /// the best value found.
     BoundedPostures,
     /// Every posture, because no bound is known. The text is the reason.
     EveryPosture(&'static str),

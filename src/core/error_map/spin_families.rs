@@ -93,7 +93,8 @@ impl OperationQuery<'_> {
     /// sharpened.
     ///
     /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
-    /// the spot, and the first candidate ([`FirstFree::nearest`]) is already known.
+    /// the spot. The search also does not need it as first candidate ([`FirstFree::nearest`]), which is
+    /// already known.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);

@@ -38,8 +38,8 @@ impl ElasticErrors {
     }
 }
 
-/// Returns the joint that an elastic parameter deflects, and the deflection of this joint per unit of the
-/// parameter at a posture, rad. Returns None for any other parameter.
+/// Returns the joint that an elastic parameter deflects, and its deflection (rad) at a posture per unit of
+/// the parameter. Returns None for any other parameter.
 pub fn deflection(
     frames: &Frames,
     loads: &Loads,

@@ -27,8 +27,8 @@ impl MotionTerm {
     ///
     /// Motions of joint frames are not allowed here. The function [`Self::of_joint`] handles them.
     ///
-    /// The index of the parameter dq denotes the rotation about the joint axis for every kind of joint. A
-    /// prismatic joint moves by the translation with the index of dr.
+    /// The motion with the index of the parameter dq is a rotation about the joint axis, even at a prismatic
+    /// joint. The translation along the axis of a prismatic joint has the index of dr.
     #[inline(always)]
     fn of(frames: &Frames, axes: usize, k: usize) -> Self {
         let links = PER_LINK * axes;

@@ -180,8 +180,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. The values belong to
-    /// the layout whose spots are kept. Returns None if this layout is infeasible.
+    /// Returns the values of the operations that do not depend on a piece of equipment. The values are
+    /// computed in the layout whose spots are kept. Returns None if this layout is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;

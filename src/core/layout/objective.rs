@@ -9,8 +9,9 @@ use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 /// Such a layout ranks after every layout that is within its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Upper bound of the excess over a limit in a penalty, m or rad. For a cost of tolerances, the excess is a
-/// share of the cost of the tightest tolerances. A value without a known bound has this excess.
+/// Greatest excess over a limit that a penalty counts, m or rad. For a cost of tolerances, the excess is a
+/// share of the cost of the tightest tolerances. An infinite value, which means that no bound is known,
+/// counts with this excess.
 const UNKNOWN_EXCESS: f64 = 10.0;
 
 /// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures).
@@ -62,14 +63,17 @@ impl Workcell {
         }
     }
 
-    /// Returns the cost of a feasible layout: `objective`, or a penalty if a value in m or rad is above the
-    /// limit of the operation.
+    /// Returns the cost of a feasible layout: `objective`, or a penalty if a limit is missed. A value in m or
+    /// rad is compared with the limit of its operation.
     ///
     /// An infinite value has the excess [`UNKNOWN_EXCESS`] over the limit.
     ///
-    /// A share of failures is not compared with the limit, because the share already counts the arms that
-    /// exceed the limit. If the search prices tolerances, the limit constrains the tolerances. A penalty then
-    /// applies only if the error exceeds the limit even with the tightest tolerances.
+    /// A share of failures is not compared with the limit. The share already counts the arms that exceed the
+    /// limit.
+    ///
+    /// If the objective is the cost of tolerances, it is compared with the cost of the tightest tolerances. A
+    /// greater cost means that an error exceeds its limit even with these tolerances. If the cost of
+    /// tolerances is only one of several goals, no penalty applies. The limits then constrain the tolerances.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         if self.cell.unit() == Unit::Cost {
             let excess = objective / self.mapper.most_cost() - 1.0;

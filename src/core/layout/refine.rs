@@ -1,11 +1,12 @@
 //! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
-//! Eight directions are polled at one distance, and the step with the largest gain is taken. After several
-//! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
-//! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
-//! rotate by the golden angle from poll to poll. The directions therefore meet an edge of the usable area at
-//! many angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
-//! must work at every misplacement inside the placement tolerances, only certified spots are accepted.
+//! A poll tries eight points at one distance around the present point. The search moves to the point with the
+//! largest gain. After several successive polls without a gain, the distance is halved. The distance starts
+//! at half the spacing of the nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003)
+//! 385-482). The eight directions to these points rotate by the golden angle from poll to poll. The
+//! directions therefore meet an edge of the usable area at many angles. Only gains are accepted, so the
+//! refined spot is never worse than the best node. If the layout must work at every misplacement inside the
+//! placement tolerances, only certified spots are accepted.
 //!
 //! The redundant joint of an arm is refined, too. Each poll also tries a smaller and a larger coordinate of
 //! this joint. The first change of the coordinate is half the distance between the sampled values of the
@@ -25,11 +26,11 @@ use nalgebra::Vector3;
 const MAX_STARTS: usize = 4;
 /// Least distance between two start nodes along x or along y, in divisions of the grid.
 const START_SPACING: usize = 3;
-/// Number of directions of one poll.
+/// Number of points around the present point that one poll tries, each in another direction.
 const DIRECTIONS: usize = 8;
 /// The golden angle, rad.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-/// Least polling distance of a search, m.
+/// Least distance of the points of a poll from the present point, m.
 const LEAST_STEP: f64 = 1e-6;
 /// Least gain that counts, as a share of the value. Smaller gains are rounding errors.
 const LEAST_GAIN: f64 = 1e-9;

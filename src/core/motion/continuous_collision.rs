@@ -51,8 +51,10 @@ pub struct PathSlack<'a> {
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
-/// Returns the first point of a path at which a solid of the robot may come too near to another solid. Robot
-/// and equipment may deviate from the path by up to `slack`.
+/// Returns the first point of a path at which a solid of the robot may come too near to another solid.
+///
+/// The robot may deviate from the path, and equipment may deviate from its placement. `slack` holds the
+/// upper bounds of these deviations.
 ///
 /// The robot must keep the clearance of the cell from equipment, fence and floor. Two solids of the robot
 /// must not touch, but need no clearance.
@@ -90,9 +92,10 @@ struct NumberedPair {
 struct ApproachingPair {
     number: usize,
     pair: Pair,
-    /// Greatest possible decrease of the distance over the whole move, m.
+    /// Upper bound of the displacement of the first solid relative to the second without deviations, m. The
+    /// displacement is that of the whole move, or of the path from its middle knot to either end.
     by: f64,
-    /// Greatest possible decrease because of deviations from the move, m.
+    /// Upper bound of the decrease of the distance that the deviations in [`PathSlack`] cause, m.
     slack: f64,
 }
 

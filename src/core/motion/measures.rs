@@ -59,6 +59,8 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
 /// All singular values of a matrix J exceed s if the matrix `J^T J - s^2 I` is positive definite. Here s is
 /// `least`, and I is the identity matrix. For more than six moving joints, `J J^T` replaces `J^T J`. This
 /// test takes a tenth of the time of a singular value decomposition.
+///
+/// A chain without moving joints counts as regular, although [`singularity`] returns 0 for it.
 pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
     let jacobian = scaled_jacobian(chain, frames, reach);
     let count = moving_joints(chain).count();
@@ -70,8 +72,8 @@ pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> boo
     gram.cholesky().is_some()
 }
 
-/// Returns `J^T J` over the columns of the moving joints. There are at most six moving joints. The unused
-/// rows and columns are taken from the identity matrix.
+/// Returns `J^T J` over the columns of the moving joints. The chain must have at most six moving joints. If
+/// it has fewer, the remaining rows and columns are those of the identity matrix.
 fn gram(chain: &Chain, jacobian: &ScaledJacobian) -> Matrix6<f64> {
     let mut gram = Matrix6::identity();
     for (a, j) in moving_joints(chain).enumerate() {

@@ -7,14 +7,16 @@
 //! ```
 //!
 //! and a prismatic joint i by at most |dr_i|. Here dtheta_i and dr_i are the changes of the D-H
-//! coordinates of joint i. The length and the offset of a D-H row are l and r. In the last row, the
-//! centre of the solid's bounding sphere replaces the origin of the frame after the link (F. Schwarzer,
-//! M. Saha, J.-C. Latombe, IEEE Transactions on Robotics 21, 2005).
+//! coordinates of joint i. The length and the offset of a D-H row are l and r. The link that
+//! carries the solid has the last of these rows. In this row, the centre of the solid's bounding sphere
+//! replaces the origin of the frame after the link (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE Transactions
+//! on Robotics 21, 2005).
 //!
 //! Around one posture of a straight move, a Taylor expansion gives a closer bound. The first-order term
 //! contains the velocity of the point at that posture. Opposite rotations of joints cancel each other in this
-//! velocity. The magnitude of the second derivative is at most twice the product of the bound above and the
-//! sum of all |dtheta_i|.
+//! velocity. The second-order term contains the second derivative of the position with respect to the share
+//! of the move. This derivative is at most twice the product of the bound above and the sum of all
+//! |dtheta_i|, both taken over the whole move.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::BoundingSphere;

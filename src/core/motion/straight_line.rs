@@ -48,9 +48,9 @@ pub enum Stopped {
 /// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Returns the reason why the arm cannot follow the whole line. The reason states a length of the line. For
-/// [`Stopped::Lost`], this is the length that the arm can follow. For [`Stopped::Limit`], a joint
-/// exceeds its limit within the last move before this length.
+/// Returns the reason why the arm cannot follow the whole line. Every [`Stopped`] contains a length `after`
+/// from the start of the line. In [`Stopped::Lost`], the arm can follow the line up to this length. In
+/// [`Stopped::Limit`], a joint exceeds its limit within the last move before this length.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,

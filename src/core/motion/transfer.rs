@@ -64,9 +64,9 @@ pub struct Blocked {
     pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
-/// Further check of a collision-free path from one operation to the next. The arguments are the two
-/// operations, the path and the load.
+/// Further check of a collision-free path from one operation to the next.
 ///
+/// The arguments are the indices of the two operations, the joint vectors of the path, and the held parts.
 /// The check returns the hindrance if the path cannot be used.
 pub type PathCheck<'a> = &'a dyn Fn([usize; 2], &[JointVector], Load) -> Result<(), Hindrance>;
 

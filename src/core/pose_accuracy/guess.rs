@@ -41,8 +41,8 @@ pub struct ErrorGuess {
 /// tolerances are not scaled.
 ///
 /// If `rp` is given, the joints have random errors that cause this repeatability (m). These errors are added
-/// to the tolerances of the joint coordinates by root sum square. The distribution of such a tolerance is
-/// then normal.
+/// to the tolerances of the joint coordinates by root sum square. A tolerance to which a random error is
+/// added gets the normal distribution.
 ///
 /// # Errors
 /// Returns the reason if no scale gives this accuracy, or if the tolerances do not move the TCP.

@@ -45,7 +45,7 @@ impl TestCube {
     ///
     /// The corners of the cube and the five poses are reachable within the joint limits with one attitude of
     /// the tool, whose azimuth and spin may be free. The cube is beside the robot base. The tried centres lie
-    /// on a grid. If a cube of this size fits at several centres, the centre nearest to their mean is chosen.
+    /// on a grid. If the cube fits at several centres, the centre nearest to their mean is chosen.
     /// All sizes of the standard are tried before any smaller size. Among standard sizes, a cube above the
     /// base plane is preferred even to a larger cube that extends below it. The same rule applies among the
     /// smaller sizes. Otherwise, larger cubes are tried first.

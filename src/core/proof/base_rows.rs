@@ -51,8 +51,8 @@ pub(super) fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Returns whether every rotation of an error about z keeps the root sum square of the error's components
-/// along `rows`.
+/// Returns whether the value of every error stays unchanged if the error is rotated about z. The value is the
+/// root sum square of the components along `rows`.
 pub(super) fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
         let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
@@ -60,8 +60,8 @@ pub(super) fn turns_with_z(rows: &[Row]) -> bool {
     })
 }
 
-/// Returns whether every rotation of an error keeps the root sum square of the error's components along
-/// `rows`.
+/// Returns whether the value of every error stays unchanged if the error is rotated about any axis. The value
+/// is the root sum square of the components along `rows`.
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())

@@ -4,9 +4,9 @@
 //! Otherwise the constraints contract the box, and Lagrangian relaxation bounds the value `phi` from below.
 //! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two lower
 //! bounds. The first is the bound of `phi - sum lambda_m c_m` over the whole box. The second is the bound of
-//! `sum lambda_m c_m` over the allowed values of `c_m`. With the multipliers of the optimum in the box, the
-//! error of the bound decreases with the square of the size of the box. Boxes therefore need not become small
-//! where constraints are active.
+//! `sum lambda_m c_m` over the allowed values of `c_m`. Let the multipliers be those of the optimum in the
+//! box. The error of the bound then decreases with the square of the size of the box. Boxes therefore need
+//! not become small where constraints are active.
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;

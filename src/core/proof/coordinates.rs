@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 
 /// Directions count as equal if their unit vectors differ by at most this value.
 pub(super) const DIRECTION_ROUNDING: f64 = 1e-12;
-/// Sine of the angle below which axes count as parallel. This sine is far above rounding errors, and far
-/// below any tolerance.
+/// Axes count as parallel if the sine of the angle between them is below this value. The value is far above
+/// rounding errors, and far below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///

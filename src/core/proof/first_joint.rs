@@ -1,13 +1,15 @@
-//! First joint with a vertical axis: it needs no coordinate in the boxes of the search, even if errors that
-//! precede it act in horizontal directions.
+//! First joint with a vertical axis. In the statistical reading, isotropic errors replace the errors before
+//! this joint that act in horizontal directions. The boxes of the search then need no coordinate of this
+//! joint.
 //!
-//! Seen from the link after the first joint (on the tool side), the errors before this joint rotate about its
-//! axis. Let an error with the variance v translate the arm along a horizontal direction u, or rotate it
-//! about u. The contribution of this error to the bound of the squared statistic is `v u . M(p) u`. The
-//! matrix M depends on the position p of the measured point. Two errors of one kind with the variance v in
-//! perpendicular directions together contribute `v tr M`. This sum does not depend on the choice of the two
-//! directions. The bound therefore splits the
-//! variances of each kind of error into two parts: an isotropic part, and an excess in one direction.
+//! The errors before this joint act in directions that are fixed in the base. If the joint moves, these
+//! directions rotate relative to the link after the joint. Let an error with the variance v translate the arm
+//! along a horizontal direction u, or rotate it about u. The contribution of this error to the bound of the
+//! squared statistic is `v u . M(p) u`. The matrix M depends on the position p of the measured point. Two
+//! errors are of one kind if both are translations, or rotations about axes through the same point. Two
+//! errors of one kind with the variance v in perpendicular directions together contribute `v tr M`. This sum
+//! does not depend on the choice of the two directions. The bound therefore splits the variances of each kind
+//! of error into two parts: an isotropic part, and an excess in one direction.
 //!
 //! An excess with the variance v contributes at least v times the least eigenvalue of M to the bound. Let the
 //! rows of the sense be horizontal. The bound of the squared statistic is then `<A, S>` with a horizontal
@@ -15,8 +17,10 @@
 //! horizontal plane. A translation gives `M = A`. A rotation about u moves the point in plan by h per radian,
 //! perpendicular to u. Here h is the height of the point above the rotation axis. The matrix M is then `h^2`
 //! times A rotated by a quarter turn.
-//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. The excess
-//! therefore gives at least the isotropy times the contribution of an isotropic error with variance `v / 2`.
+//!
+//! In both cases, the least eigenvalue is the isotropy `2 a_2 / (a_1 + a_2)` times `tr M / 2`. An isotropic
+//! error with the variance `v / 2` in each direction contributes `v tr M / 2`. The excess therefore
+//! contributes at least this number times the isotropy.
 
 use super::coordinates::DIRECTION_ROUNDING;
 use crate::cell::{Quantity, Reading, Row};
@@ -35,9 +39,9 @@ pub(super) struct FirstJoint {
     /// Motions along or about x and y. The source indices of these motions continue the list of the cell's
     /// error sources.
     pub motions: Vec<ScrewMotion>,
-    /// Standard deviation of each of these motions, m or rad.
+    /// Standard deviation of each motion in `motions`, m or rad.
     pub deviations: Vec<f64>,
-    /// Number of motions at the end of the list that stand for the excess in one direction. The bound
+    /// Number of motions at the end of `motions` that stand for the excess in one direction. The bound
     /// multiplies the terms of these motions by the [`isotropy`].
     pub excess: usize,
 }
@@ -49,8 +53,8 @@ impl FirstJoint {
     /// If the reading is worst-case and the arm has more than [`MAX_JOINTS_OF_WORST_CASE`] joints, no motions
     /// replace these errors. This is also the case if the list of error sources would become longer than
     /// [`MAX_SOURCES`]. If the sense has a rotation row or a non-horizontal row, no motions replace the
-    /// excess in one direction. The bound remains valid. Returns None, and leaves `motions` unchanged, if the
-    /// bound needs the coordinate of the first joint.
+    /// excess in one direction. The bound remains valid without these motions. Returns None, and leaves
+    /// `motions` unchanged, if the bound needs the coordinate of the first joint.
     pub fn replace(
         screws: &Screws,
         evaluator: &ErrorEvaluator,

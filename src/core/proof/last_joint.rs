@@ -1,22 +1,24 @@
-//! Last joint that only rotates the tool about its axis: it needs no coordinate in the boxes of the search.
+//! Last joint that only rotates the tool about the joint axis. The boxes of the search need no coordinate of
+//! this joint.
 //!
 //! Let the TCP be the measured point, on the axis of the last joint, and let the tool axis be the axis of
 //! this joint. A rotation of the joint then changes only the effects of the errors after the joint (on the
-//! tool side). These effects rotate about the tool axis `a`. The lower bound therefore takes these effects at
-//! their best rotation, in closed form.
+//! tool side). These effects rotate about the tool axis `a`. The lower bound therefore uses the least
+//! contribution of these effects over all rotations, in closed form.
 //!
 //! Statistical reading: let C be the covariance of the TCP that the errors after the joint cause at one
 //! angle. C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The squared statistic of
 //! the whole covariance S is at least `<A, S>` with a positive semidefinite matrix A (see `value_bound`).
 //! Here `<A, S>` is the sum of the products of corresponding entries. Let `a_1 >= a_2` be the eigenvalues of
 //! A across the tool axis. Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about
-//! the axis (J. von Neumann's trace inequality).
-//! The tangent `<A, S>` bounds the squared statistic at every rotation only if this square is convex in the
-//! covariance. The mean is not such a statistic, so a bound of the mean keeps the coordinate.
+//! the axis (J. von Neumann's trace inequality). The tangent `<A, S>` bounds the squared statistic at every
+//! rotation only if this square is convex in the covariance. The square of the mean is not convex. The bound
+//! of the mean therefore needs the coordinate of the last joint.
 //!
-//! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. In the direction d, these
-//! errors reach `sum_k w_k |d . R g_k|`. As a function of the angle of R, this sum is concave between the
-//! zeros of its terms, so it is least at one of these zeros.
+//! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. Let R be a rotation of the
+//! tool. At the worst corner, these errors move the TCP by `sum_k w_k |d . R g_k|` in the direction d. As a
+//! function of the angle of R, this sum is concave between the zeros of its terms, so it is least at one of
+//! these zeros.
 
 use super::coordinates::DIRECTION_ROUNDING;
 use crate::cell::{JointKind, Quantity, Reading, Row};
@@ -121,10 +123,11 @@ impl LastJoint {
     /// Returns a covariance of the TCP (m^2, base frame) that stands for the errors after the joint. The
     /// bound of a percentile is expanded at the sum of this covariance and `others`.
     ///
-    /// `others` is the covariance that all other errors cause. The result is a weighted average, over
-    /// rotations of the tool about its axis, of the covariance that the errors after the joint cause. The
-    /// weights make the sum with `others` as isotropic as possible across the tool axis. Under the assumption
-    /// of `value_bound`, an isotropic covariance gives the least percentiles for a given trace.
+    /// `others` is the covariance that all other errors cause. The covariance that the errors after the joint
+    /// cause depends on the rotation of the tool about its axis. The result is a weighted average of this
+    /// covariance over such rotations. The weights make the sum with `others` as isotropic as possible across
+    /// the tool axis. Under the assumption of `value_bound`, an isotropic covariance gives the least
+    /// percentiles for a given trace.
     pub fn covariance(&self, others: &Matrix3<f64>, tool: &ToolAxisRange) -> Matrix3<f64> {
         let frame = across(&tool.axis);
         let eigen = within(others, &frame).symmetric_eigen();
@@ -142,9 +145,9 @@ impl LastJoint {
             + tool.axis * tool.axis.transpose() * self.along_squared()
     }
 
-    /// Returns a lower bound of `<form, C>` over all rotations of the tool about its axis, and over all
-    /// directions of this axis in `tool`. C is the covariance of the TCP that the errors after the joint
-    /// cause, and `form` is positive semidefinite.
+    /// Returns a lower bound of `<form, C>` for a positive semidefinite `form`. C is the covariance of the
+    /// TCP that the errors after the joint cause. The bound holds for every rotation of the tool about its
+    /// axis, and for every axis direction in `tool`.
     pub fn least_form(&self, form: &Matrix3<f64>, tool: &ToolAxisRange) -> f64 {
         let eigen = within(form, &across(&tool.axis)).symmetric_eigenvalues();
         let (most, least) = self.variances;
@@ -159,8 +162,9 @@ impl LastJoint {
         self.along.iter().map(|a| a * a).sum()
     }
 
-    /// Returns a lower bound of the distance that the errors after the joint reach in the direction `d`, over
-    /// all rotations of the tool about its axis and over all directions of this axis in `tool`.
+    /// Returns a lower bound of the greatest `d . e`. The vector e is the TCP displacement that the errors
+    /// after the joint cause. The bound holds for every rotation of the tool about its axis, and for every
+    /// axis direction in `tool`.
     pub fn least_width(&self, d: &Vector3<f64>, tool: &ToolAxisRange) -> f64 {
         let level = (d - tool.axis * tool.axis.dot(d)).norm();
         let width = |zero: &Vector2<f64>| -> f64 {

@@ -5,16 +5,16 @@
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits.
 //!
-//! The first and the last joint may need no coordinate in the boxes of the search. Errors that come after the
-//! first joint in the chain rotate with this joint. A first joint with a vertical axis therefore does not
-//! matter, unless the sense distinguishes horizontal directions. The bound of the errors before such a joint
-//! does not depend on their horizontal directions. The last joint also needs no coordinate if its axis is the
-//! tool axis and passes through the measured point. The bound then assumes the best rotation of the errors
-//! after this joint. For a signed sample, and for some errors of other readings, one or both joints keep
-//! their coordinate.
+//! The first and the last joint may need no coordinate in the boxes of the search. The errors after the first
+//! joint act in directions that rotate with this joint. If the axis of this joint is vertical, its angle
+//! therefore matters only for senses that distinguish horizontal directions. The bound of the errors before
+//! such a joint does not depend on their horizontal directions. The last joint also needs no coordinate if
+//! its axis is the tool axis and passes through the measured point. The bound then uses the least
+//! contribution of the errors after this joint, over all rotations of the tool. For a signed sample, and for
+//! some errors of other readings, one or both joints keep their coordinate.
 //!
-//! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
-//! found. The module has the following files:
+//! Branch and bound over the remaining coordinates reduces the gap between the lower bound and the least
+//! value found. The module has the following files:
 //!
 //! | file | content |
 //! |---|---|
@@ -23,7 +23,7 @@
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
-//! | `first_joint`, `last_joint` | joints without a coordinate, and the errors that rotate about their axes |
+//! | `first_joint`, `last_joint` | joints without a coordinate, and errors whose directions they rotate |
 //! | `base_rows` | the sense in the base frame |
 //! | `task` | one operation, prepared for bounding |
 //! | `node_radii` | operations that happen at every node |

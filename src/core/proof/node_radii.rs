@@ -80,7 +80,7 @@ struct NodeRadii<'a> {
     radius: (f64, f64),
     /// Polar coordinates (m, rad) of the nodes in the frame of the equipment.
     nodes: Vec<(f64, f64)>,
-    /// Bounds of single nodes, for an interval of height and an interval of radius.
+    /// Lower bounds of the value of a single node. Each key holds a height interval and a radius interval.
     known: HashMap<(Dyadic, Dyadic), f64>,
     boxes: u64,
     options: &'a ProofOptions,
@@ -151,7 +151,7 @@ impl NodeRadii<'_> {
         f64::INFINITY
     }
 
-    /// Returns the range of height of an interval, m.
+    /// Converts a height interval from the form (level, index) to its least and greatest height, m.
     fn heights(&self, (level, index): Dyadic) -> (f64, f64) {
         within(self.region.height, (level, index))
     }
@@ -189,7 +189,8 @@ impl NodeRadii<'_> {
         (first..=last).map(|k| self.of_interval(cell.height, (level, k))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns a lower bound of the value of a single node, for an interval of height and one of radius.
+    /// Returns a lower bound of the value of a single node whose height and radius lie in two given
+    /// intervals.
     fn of_interval(&mut self, height: Dyadic, radius: Dyadic) -> f64 {
         if let Some(bound) = self.known.get(&(height, radius)) {
             return *bound;
@@ -217,7 +218,7 @@ impl NodeRadii<'_> {
     }
 }
 
-/// Returns the part of a range that an interval denotes.
+/// Converts an interval from the form (level, index) to its two ends, within the range from `low` to `high`.
 fn within((low, high): (f64, f64), (level, index): Dyadic) -> (f64, f64) {
     let step = (high - low) / (1u64 << level) as f64;
     (low + step * index as f64, low + step * (index + 1) as f64)

@@ -4,8 +4,8 @@
 //! Two chains with the same joints differ by one small motion before every axis and one small motion before
 //! the end point. Let `a_k` be the size of motion k, and `g_k` its effect on the end point. To first order in
 //! the motions, the difference is `d = sum_k a_k g_k`. The third derivatives of d are therefore sums of third
-//! derivatives of linear effects. The remainder is of second order in the motions. Products of the sizes of
-//! the motions bound the derivatives of this remainder in any direction of joint space.
+//! derivatives of linear effects. The part of the difference beyond d is of second order in the motions.
+//! Products of the sizes of the motions bound the derivatives of this part in any direction of joint space.
 
 use super::coordinates::Coordinates;
 
@@ -44,13 +44,14 @@ impl ChainDifference {
         Self { screws, turns, shifts, second, second_per_slide }
     }
 
-    /// Returns whether the first axis has no error, so that all errors rotate with it.
+    /// Returns whether the first joint axis has no error. All errors then act after the first joint, and
+    /// their directions rotate with this joint.
     pub fn keeps_first_axis(&self) -> bool {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
     /// Returns the Taylor model of `eta . d` over a box with the half widths `radii` about a posture. Here
-    /// `d` is the difference of the end points.
+    /// `d` leads from the end point of the nominal chain to the end point of the chain with errors.
     ///
     /// `at` is the nominal chain at this posture, and `with` is the chain with errors at this posture.
     pub fn expand(
@@ -73,7 +74,8 @@ impl ChainDifference {
         Taylor { value, gradient, hessian, rest: eta.norm() * self.rest(coordinates, pieces, radii) }
     }
 
-    /// Returns an upper bound of the third-order remainder of the difference of the end points, m.
+    /// Returns an upper bound of the third-order remainder, m, of the difference that [`Self::expand`]
+    /// expands.
     fn rest(&self, coordinates: &Coordinates, pieces: &RigidPieces, radii: &JointValues) -> f64 {
         let first = (0..=coordinates.count).map(|m| {
             let own = coordinates.turning[m];

@@ -1,5 +1,6 @@
-//! Rigid factors: random factors of the correlated errors that are not elastic. The factors exclude the part
-//! that correlates with elastic errors.
+//! Rigid factors: independent random factors of the rigid error sources. A source is called rigid if it is
+//! correlated with other sources and not elastic. The factors exclude the part of the rigid sources that
+//! correlates with elastic sources.
 
 use crate::reading::ErrorSources;
 use nalgebra::DMatrix;
@@ -14,8 +15,8 @@ const ROUNDING: f64 = 1e-12;
 /// conditional covariance `C_rr - C_re C_ee^+ C_er`. Without elastic sources, the factors are
 /// [`ErrorSources::factors`].
 ///
-/// Let x be the rigid sources, y the elastic sources, and `A x + B y` the error. With M = `C_re C_ee^+`,
-/// the error equals `A (x - M y) + (A M + B) y`. The two terms are independent. Every statistic of the error
+/// Let x be the rigid sources, y the elastic sources, and `A x + B y` the error. Let M be `C_re C_ee^+`. The
+/// error then equals `A (x - M y) + (A M + B) y`. The two terms are independent. Every statistic of the error
 /// is therefore at least the statistic of the first term (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955)
 /// 170-176).
 pub(super) fn rigid_factors(sources: &ErrorSources) -> Vec<Vec<(usize, f64)>> {

@@ -19,7 +19,7 @@ use crate::reading::{ErrorEvaluator, ErrorSource, EvaluatorScratch, WorkContext,
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// Number of angles that are tried in a posture for a joint that needs no coordinate.
+/// Number of angles that are tried for a joint without a coordinate, when the value of a posture is computed.
 const WITNESS_ANGLES: usize = 24;
 
 /// Task of bounding the value of one operation from below.

@@ -1,11 +1,12 @@
 //! Taylor models: second-order expansions over a box of coordinates, with a bound of the remainder.
 //!
-//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a
-//! whole, one factor of the product, or nothing. Each mixed partial derivative of a product is therefore
-//! again a single product, bounded by the lengths of its factors. The radius of a coordinate is half its
-//! range in the box. Let `s` be the length of a product, and `rho` the sum of the radii of the coordinates
-//! that rotate it. Then the third-order term of the product over the box is at most `s rho^3 / 6`. If a
-//! prismatic joint with the radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added to this bound.
+//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates all factors of a
+//! product, one factor, or no factor. Each mixed partial derivative of a product is therefore again a single
+//! product. The size of this derivative is at most the product of the lengths of the factors. The radius of a
+//! coordinate is half its range in the box. Let `s` be the product of these lengths. Let `rho` be the sum of
+//! the radii of the coordinates that rotate any factor. Then the third-order term of the product over the box
+//! is at most `s rho^3 / 6`. If a prismatic joint with the radius `r_t` lengthens a factor, `3 rho^2 r_t / 6`
+//! is added to this bound.
 
 use super::coordinates::{Coordinates, JointMatrix};
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -168,7 +169,7 @@ impl RigidPieces {
     /// rotate the segment, u or both. Each segment adds `s rho^power` to the bound. A segment that a
     /// prismatic coordinate with the radius `r` lengthens also adds `power rho^(power - 1) r`.
     ///
-    /// The bits of `own` denote the coordinates that rotate u.
+    /// Bit i of `own` is set if coordinate i rotates u.
     pub fn turned(
         &self,
         coordinates: &Coordinates,

@@ -7,26 +7,29 @@
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
-//! worst-case    the value at every posture is at least |e| at the corner s that is worst at c
+//! worst-case    s is the corner of the tolerance box that is worst at c, and e(s) is the error at s.
+//!               At every posture, the value is at least |e(s)|, and |e(s)| >= u . e(s).
 //! statistical   e ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound.
 //!               G has the effects as columns, S = G G^T and A = d(quantity^2)/dS at c:
 //!               quantity >= <A G_c, G> / quantity_c  (rms: A = 1)
 //! ```
 //!
-//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give
-//! a lower bound. Further independent sources never reduce the error at the worst corner of the tolerance
-//! box. They also never reduce the spread of a distribution with mean zero. If sources are correlated, only
-//! the part of the other errors that is independent of the elastic errors counts.
+//! The sum leaves out elastic errors, because their size changes with the posture. For a signed sample,
+//! `task` subtracts an upper bound of their contribution. In the other readings, the other errors alone give
+//! a lower bound. An additional independent source never reduces the error at the worst corner of the
+//! tolerance box. An additional independent source also never reduces the spread of a distribution with mean
+//! zero. If sources are correlated, only the part of the other errors that is independent of the elastic
+//! errors counts.
 //!
 //! Means of measured errors are also ignored, and the bound remains valid. The largest error of a tolerance
 //! box about a mean is at least that of the box about 0. The reason is that a mean cannot reduce the errors
 //! at both of two opposite corners. A mean also enlarges each statistic.
 //!
-//! For the mean of |e|, this bound is the tangent of a convex function of the effects. Percentiles have a
-//! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
-//! squared percentile is a convex function of the covariance S. We know no proof of this assumption. The
-//! file tests/maths/proof.rs tests this assumption for 95 % and 99 %, and [`super::Proof::in_words`] states
-//! it.
+//! If the quantity is the mean of |e|, this bound is the tangent of a convex function of the effects.
+//! Percentiles have a bound for senses of up to three rows (weighted components). The bound of a percentile
+//! assumes that the squared percentile is a convex function of the covariance S. We know no proof of this
+//! assumption. The file tests/maths/proof.rs tests this assumption for 95 % and 99 %, and
+//! [`super::Proof::in_words`] states it.
 
 use super::WhyNot;
 use super::first_joint::{FirstJoint, isotropy};

@@ -1,5 +1,5 @@
 //! Witnesses: postures that keep all constraints. The value of the operation in a witness is an upper bound
-//! of the minimum.
+//! of the least value over all such postures.
 
 use super::region::Constraint;
 use super::task::Task;
@@ -18,8 +18,8 @@ pub(super) struct Witness {
     pub value: f64,
     /// Actuator coordinates of the posture, rad or m.
     pub joints: JointVector,
-    /// Lower bound of the value for a box that contains only this posture, m or rad. No lower bound of the
-    /// operation exceeds this number.
+    /// Lower bound of the value for a box that contains only this posture, m or rad. The search cannot prove
+    /// a greater lower bound for the operation, because some box always contains this posture.
     pub ceiling: f64,
 }
 

@@ -178,8 +178,9 @@ impl AttitudeSet {
     /// Returns how far the attitude error of the tool exceeds the tolerance, rad; 0 within the tolerance.
     ///
     /// `columns` is the rotation matrix of the tool in the base frame, with the columns that
-    /// [`Self::columns`] describes. Only planar arms need this check: the target determines their heading,
-    /// and some of them cannot choose the spin. `rolls` is true if the arm can choose the spin.
+    /// [`Self::columns`] describes. Only planar arms need this check. The target determines the azimuth of
+    /// the tool of a planar arm, and some planar arms cannot choose the spin. `rolls` is true if the arm can
+    /// choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -204,8 +205,8 @@ impl AttitudeSet {
 
     /// Returns whether every posture must be checked by [`Self::off`].
     ///
-    /// The check is needed if the attitude requires a heading. It is also needed if the attitude requires a
-    /// spin that the arm cannot choose.
+    /// The check is needed if the attitude requires a fixed azimuth of a tool that is not vertical. It is
+    /// also needed if the attitude requires a spin that the arm cannot choose.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }

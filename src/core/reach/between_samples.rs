@@ -28,8 +28,10 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls [`Self::gap`], which may return a lower bound of the distance from the target to the reachable
-    /// points. If this bound is positive and below `near` (m), the returned gap contains the actual distance.
+    /// Calls [`Self::gap`] and returns its result, with the actual distance for a target that is near.
+    ///
+    /// The distance from [`Self::gap`] may be a lower bound. If this bound is positive and below `near` (m),
+    /// the function replaces the bound by the actual distance.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,

@@ -151,9 +151,10 @@ impl HeldJoint {
     /// Returns an upper bound (m) of the motion of a point when the redundant joint moves by one lattice
     /// step.
     ///
-    /// The solver of the other joints measures the distance of this point from the reachable points. The point
-    /// is the wrist centre, relative to the first of the other joints. If the solver uses the reversed chain,
-    /// the point is the shoulder centre, relative to the last of the other joints. The bound holds for both.
+    /// The solver of the other joints measures the distance of this point from the reachable points. The
+    /// point is the wrist centre, relative to the first of the other joints. If the solver uses the reversed
+    /// chain, the point is the shoulder centre, relative to the last of the other joints. The bound holds for
+    /// both points.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {

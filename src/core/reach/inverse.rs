@@ -41,7 +41,9 @@ pub struct Inverse {
     pub(super) template: Posture,
     /// Last joint, if it alone rotates the tool about the tool axis; None if other joints must move, too.
     pub(super) last_joint: Option<SpinJoint>,
-    /// Numeric solver that moves a posture to a neighbouring target; None if `solver` does so itself.
+    /// Numeric solver that [`Inverse::continued`] uses if the branches of `solver` do not keep their indices.
+    ///
+    /// The field is None if the branches keep their indices, or if `solver` is numeric itself.
     pub(super) follower: Option<Box<Numeric>>,
 }
 
@@ -160,7 +162,7 @@ impl Inverse {
 
     /// Returns whether any branch stays within the joint limits and meets the required attitude.
     ///
-    /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with a
+    /// For a solver of whole poses (`ChainSolver::Pose`), the search stops at the first attitude with a
     /// usable branch. For a redundant arm, the search stops at the first sampled joint value with a usable
     /// branch. Joint values between the samples are not tried.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
@@ -232,7 +234,8 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, attitudes))
     }
 
-    /// Returns the branch with index `wanted` that a closed form finds, even if it violates joint limits.
+    /// Returns the branch with index `wanted`, even if it violates joint limits. The numeric solver is not
+    /// supported.
     ///
     /// # Errors
     /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
@@ -384,8 +387,8 @@ impl Inverse {
         self.to_zero.as_ref().map_or(*target, |pose| pose.transform(target))
     }
 
-    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange. Also
-    /// derives the attitudes that follow from attitude `first` by a rotation of the last joint.
+    /// Solves attitude `first` of an arm with a solver of whole poses (`ChainSolver::Pose`). Also derives the
+    /// attitudes that follow from attitude `first` by a rotation of the last joint.
     ///
     /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]

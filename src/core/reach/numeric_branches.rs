@@ -2,8 +2,9 @@
 //!
 //! All solutions of a goal are within the joint limits.
 //!
-//! If the branches of an arm do not keep their indices, the numeric solver also moves postures to
-//! neighbouring targets. It also finds the reason why the solver of such an arm has no solution.
+//! If the branches of an arm do not keep their indices, the numeric solver has two more tasks. It computes
+//! the posture at a neighbouring target from a given posture. It also finds the reason if the arm's own
+//! solver has no solution.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
@@ -23,8 +24,9 @@ pub const CONTINUED: u64 = u64::MAX;
 const START_BITS: u32 = 16;
 
 impl Inverse {
-    /// Returns whether a branch index denotes the same branch at a neighbouring target. For other arms,
-    /// [`Self::continued`] moves a posture to another target.
+    /// Returns whether every branch keeps its index while the target moves, except at singular postures.
+    ///
+    /// If the result is false, [`Self::continued`] computes the posture at a neighbouring target.
     pub fn keeps_branches(&self) -> bool {
         self.numeric_solver().is_none()
     }
@@ -120,14 +122,16 @@ impl Inverse {
         attitudes.set.heading(target)
     }
 
-    /// Moves the posture `from` of an arm with numeric inverse kinematics to another target.
+    /// Returns the branch at `target` to which the numeric solver leads from the posture `from`.
     ///
-    /// The tool rotates by `turn` (rad) about the vertical and otherwise keeps its orientation. If the arm
-    /// has seven joints, one joint does not move, as in [`Self::tool_task`]. An arm with fewer than six
-    /// joints moves to the nearest solution among the allowed attitudes.
+    /// If the arm has six or more joints, the tool rotates by `turn` (rad) about the vertical and otherwise
+    /// keeps its orientation. If the arm has seven joints, one joint does not move, as in
+    /// [`Self::tool_task`]. If the arm has fewer than six joints, the result is the solution nearest to
+    /// `from` among all allowed attitudes.
     ///
     /// # Errors
-    /// Returns the remaining errors of position and orientation if the arm cannot follow.
+    /// Returns the remaining errors of position and orientation if the numeric solver finds no solution.
+    /// Both errors are infinite if the branches of the arm keep their indices.
     pub fn continued(
         &self,
         from: &JointVector,

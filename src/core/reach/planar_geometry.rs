@@ -47,8 +47,10 @@ impl Inverse {
 }
 
 impl ToolAttitudes {
-    /// Returns whether the attitude requires a heading or a spin. In this case, the tool attitude must be
-    /// checked at every posture.
+    /// Returns whether the tool attitude must be checked at every posture of an arm without a roll axis.
+    ///
+    /// The check is needed if the attitude requires a spin. It is also needed if the attitude requires a
+    /// fixed azimuth of a tool that is not vertical.
     pub fn is_judged_by_posture(&self) -> bool {
         self.set.is_checked(false)
     }

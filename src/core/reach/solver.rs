@@ -51,14 +51,15 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
-    /// Returns a numeric solver that moves postures of the chain to neighbouring targets; None if `self` does
-    /// so itself.
+    /// Returns a numeric solver that computes the posture at a neighbouring target from a given posture.
+    ///
+    /// Returns None if the branches of `self` keep their indices, or if `self` is numeric itself.
     pub fn follower(&self, chain: &Chain) -> Option<Box<Numeric>> {
         let lacks = matches!(self, Self::Pose(solver) if !solver.keeps_branches());
         lacks.then(|| Box::new(Numeric::new(chain)))
     }
 
-    /// Returns whether a closed form for a whole pose solves the last joint.
+    /// Returns whether a solver for a whole pose solves the last joint.
     pub fn solves_last_joint(&self) -> bool {
         match self {
             Self::Pose(_) => true,

@@ -14,7 +14,7 @@ pub struct PlanarAttitude {
     /// The field `v` is the component of the same vector perpendicular to `u` in this plane, m.
     pub u: f64,
     pub v: f64,
-    /// Cosine of the tool's elevation; negative if the tool points backwards, against the heading of the arm.
+    /// Cosine of the tool's elevation; negative if the tool points opposite to the azimuth theta_1.
     pub(in crate::reach) cos_elevation: f64,
     /// Sine of the tool's elevation.
     pub(in crate::reach) sin_elevation: f64,

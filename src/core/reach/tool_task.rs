@@ -35,13 +35,14 @@ pub struct ToolTask {
     /// Controlled components of the rotation.
     ///
     /// The number beside a component is the required rate of this component at a yaw rate of 1 rad/s. The yaw
-    /// rate is the rate of the heading from which the attitude is measured.
+    /// rate is the rate of the azimuth from which the attitude is measured.
     /// Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the attitude is measured from the direction of the target as seen from the base axis. If not,
     /// the attitude is measured from the surface.
     pub radial: bool,
-    /// Whether the tool keeps its whole orientation relative to the heading.
+    /// Whether the tool keeps its whole orientation relative to the azimuth from which the attitude is
+    /// measured.
     pub keeps_orientation: bool,
 }
 
@@ -50,7 +51,7 @@ impl Inverse {
     ///
     /// Returns None in three cases, because no square system describes the motion:
     ///
-    /// - A planar arm has to keep a heading or a spin that its joints do not control.
+    /// - A planar arm has to keep an azimuth or a spin that its joints do not control.
     /// - The numeric solver solves an arm that has neither six nor seven joints. A five-axis arm with a
     ///   vertical tool and a free spin is an exception.
     /// - The numeric solver may tilt the tool within a tolerance.

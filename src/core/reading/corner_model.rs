@@ -99,8 +99,8 @@ impl<'a> CornerModel<'a> {
         !all_known || components.norm() + margin >= error.size
     }
 
-    /// Returns upper bounds of the changes that flips of two signs cause at the corner of
-    /// [`Self::stand_at`]; None if there is no prediction.
+    /// Returns upper bounds of the increase of the error by flips of two signs at the corner of
+    /// [`Self::stand_at`]. Returns None if there is no prediction.
     ///
     /// `error` must be the error at that corner.
     pub fn pair_gains(&self, error: &CornerError) -> Option<PairGains> {

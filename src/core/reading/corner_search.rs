@@ -28,13 +28,16 @@ type Signs = [f64; MAX_SOURCES];
 /// Returns the worst case by a model.
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
-/// The sizes of the errors at these two corners differ only by terms of even order. If the sources have
-/// means, the linear effect of all means together is one more column with a sign. The means themselves have
-/// the sign +1. If the search sets the sign -1, the model reverses all signs and computes the error at that
-/// corner. So both starts are the same corner of the box if the sources have means. The search flips one sign
-/// alone, the signs of all parallel columns together, or the signs of two columns. A column is the linear
-/// effect of one source or of the mean. A flip is tried only if it changes the linear error by no more than a
-/// threshold. The threshold is the largest of three values:
+/// The sizes of the errors at these two corners differ only by terms of even order.
+///
+/// A column is the linear effect of one source at its tolerance. If the sources have means, the linear effect
+/// of all means together is one more column. The search also chooses a sign for this column, although the
+/// means can only have the sign +1. If the search chooses the sign -1, the model reverses all signs before it
+/// computes the error. So both starting corners are the same corner of the box if the sources have means.
+///
+/// The search flips one sign alone, the signs of all parallel columns together, or the signs of two columns.
+/// A flip is tried only if it changes the linear error by no more than a threshold. The threshold is the
+/// largest of three values:
 ///
 /// - `quadratic`, an estimate of the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;

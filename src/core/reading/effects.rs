@@ -26,7 +26,8 @@ impl Default for Effects {
 impl Effects {
     /// Sets the effects of the robot's sources at the posture of `expansion`.
     ///
-    /// If `mean` is true, the mean error of the second-order terms is set, too; otherwise it is 0.
+    /// If `mean` is true, the function also sets the mean error that second-order terms cause. Otherwise the
+    /// mean error is 0.
     pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {

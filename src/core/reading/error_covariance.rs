@@ -20,7 +20,7 @@ impl ErrorEvaluator {
         (self.covariance_of_effects(&measure, memory), measure.rows(), mean)
     }
 
-    /// Returns the first result of [`Self::covariance`] alone, at less cost.
+    /// Returns only the covariance of [`Self::covariance`], in less computing time.
     pub fn covariance_alone(
         &self,
         context: &WorkContext,

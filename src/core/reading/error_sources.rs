@@ -207,9 +207,10 @@ impl ErrorSource {
 
 /// Returns whether the effect of a parameter on the TCP may change when the last joint rotates the tool.
 ///
-/// Errors of the last link after its joint and errors of the tool rotate with the tool. The last joint also
-/// changes the levers of the last link, its own periodic error, and the gravity torques. So the result is
-/// true for these elastic terms, this periodic error, and the compliance of every joint.
+/// If an error dl, dalpha or dbeta belongs to the last link, its effect rotates with the tool. The effects of
+/// all tool errors also rotate with the tool. The last joint also changes the levers of the last link, its
+/// own periodic error, and the gravity torques. So the result is also true for elastic terms of the last link
+/// and for the compliance of every joint. The result is also true for the periodic error of the last joint.
 pub fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,

@@ -58,7 +58,8 @@ pub struct ErrorEvaluator {
 pub struct EvaluatorScratch {
     pub(super) expansion: Expansion,
     pub(super) effects: Effects,
-    /// Expansion for the bound of a position error over spins; None if the bound needs the effects.
+    /// Derivatives of the TCP position for the spin bound and the covariance of normal errors. None if the
+    /// spin bound has no position factors ([`SpinBound::factors`]), or if there is no spin bound.
     pub(super) position: Option<Box<Expansion>>,
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],

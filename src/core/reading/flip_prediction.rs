@@ -1,4 +1,5 @@
-//! Prediction of the error at neighbouring corners of the tolerance box, with a bound on its own error.
+//! Prediction of the error at neighbouring corners of the tolerance box, with an upper bound of the
+//! prediction error.
 //!
 //! Reversing the signs of some sources changes the sizes `a_i` of small motions by `d_i`. In the second-order
 //! model ([`crate::kinematic_error`]), the displacement of the point that a sense measures changes by
@@ -50,7 +51,8 @@ struct CornerMotion {
     size: f64,
     /// Derivative `G_i` of the position of the measured point.
     moves: Vector3<f64>,
-    /// Derivative of the rotation vector, which corresponds to `G_i`.
+    /// Derivative of the rotation vector with respect to the size of the motion, as `G_i` is for the
+    /// position.
     turns: Vector3<f64>,
 }
 
@@ -172,8 +174,8 @@ impl FlipPrediction {
         self.rotations <= MAX_ROTATION
     }
 
-    /// Returns an upper bound of the sum of all products of two and more errors, along the rows of the sense,
-    /// at any corner.
+    /// Returns an upper bound of the sum of all products of two and more errors. The sum is measured along
+    /// the rows of the sense, and the bound holds at every corner.
     ///
     /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
     pub fn largest_products(&self) -> f64 {

@@ -17,13 +17,14 @@ impl ErrorEvaluator {
         self.spin_bound.is_some()
     }
 
-    /// Returns whether [`Self::least_over_spins`] costs as much as [`Self::value`].
+    /// Returns whether [`Self::least_over_spins`] takes as much computing time as [`Self::value`].
     pub fn has_dear_spin_bound(&self) -> bool {
         matches!(self.spin_bound, Some(SpinBound::Signed(_)))
     }
 
-    /// Returns whether one evaluation of [`Self::value`] serves all rotations of the tool by the last joint.
-    /// This evaluation costs less than a bound for each rotation.
+    /// Returns whether one evaluation of [`Self::value`] replaces the bounds over rotations of the tool by
+    /// the last joint. The value is then the same after every such rotation. One evaluation takes less
+    /// computing time than one bound per rotation.
     pub fn has_one_value_over_spins(&self) -> bool {
         self.ignores_spin() && self.reading == Reading::Statistical
     }

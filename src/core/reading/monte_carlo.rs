@@ -151,7 +151,8 @@ pub struct SampledPosture<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// First-order 95th percentile of the error, m or rad; the share of samples above it is estimated.
+    /// First-order 95th percentile of the error, m or rad. [`MonteCarlo::above`] estimates the share of
+    /// samples above this percentile.
     pub p95: f64,
 }
 
@@ -168,7 +169,8 @@ pub struct JointSamples {
 /// Estimates the figures of the error in the operation's sense at one posture, from samples of the nonlinear
 /// model.
 ///
-/// `p95` is the first-order 95th percentile; the share of samples above it is estimated, too.
+/// `p95` is the first-order 95th percentile. The result also estimates the share of samples whose errors
+/// exceed `p95`.
 pub fn monte_carlo(
     evaluator: &ErrorEvaluator,
     context: &WorkContext,

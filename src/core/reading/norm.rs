@@ -99,7 +99,8 @@ impl NormDistribution {
         self.unit * (spectrum.shift + above(spectrum, p.min(1.0 - 1e-9))).sqrt()
     }
 
-    /// Returns a lower bound of `quantile(p)` at almost no cost; 0 unless all parameters are normal.
+    /// Returns a lower bound of `quantile(p)` in almost no computing time; 0 unless all parameters are
+    /// normal.
     ///
     /// The bound is the quantile of the absolute value of the component with the largest variance, computed
     /// for zero mean. No component exceeds the norm, and a mean only enlarges the quantile of a component.

@@ -1,8 +1,9 @@
 //! Upper bounds of the increase of an error by flips of two signs, from the predictions of the single flips.
 //!
-//! At a corner with the error e, the flips of the signs j and k change the error by about `c_j + c_k`. Let M be
-//! an upper bound of all terms that this prediction neglects. The flips can increase the error only if `|e +
-//! c_j + c_k| + M >= |e|`. Then the following sum is not negative:
+//! At a corner with the error e, the flips of the signs j and k change the error by about `c_j + c_k`. Let M
+//! be an upper bound of all terms that this prediction neglects. The flips can increase the error only if
+//! `|e + c_j + c_k| + M >= |e|`. In this case, the left-hand side of the following inequality is not
+//! negative:
 //!
 //! ```text
 //! |e + c_j + c_k|^2 - |e|^2 + 2 |e| M <= p_j + p_k + 2 |c_j| |c_k| + 2 |e| M,    p_k = 2 e . c_k + |c_k|^2
@@ -71,7 +72,9 @@ impl PairGains {
         self.may_be_increase(&self.flips[j], &self.flips[k])
     }
 
-    /// Returns whether flips of the sign `j` and any of `count` other signs may increase the error.
+    /// Returns whether the flip of the sign `j` together with one other flip may increase the error.
+    ///
+    /// `count` is the number of all signs, including signs without a prediction.
     pub fn may_increase_with(&self, j: usize, count: usize) -> bool {
         count > self.count || self.may_be_increase(&self.flips[j], &self.largest)
     }

@@ -1,7 +1,8 @@
 //! Covariance of the TCP position error to first order, from independent random factors of the robot alone.
 //!
-//! The covariance is a sum of outer products, one per factor. Three sources that move a frame along its three
-//! axes with equal deviations add the same variance in every direction, so they need no computation.
+//! The covariance is a sum of outer products, one per factor. Consider three sources that displace one frame
+//! along its three axes with equal standard deviations. Together they add the same variance in every
+//! direction and need no outer products.
 
 use super::error_sources::{ErrorSources, is_behind};
 use crate::cell::{PER_FRAME, PER_LINK, Parameter};
@@ -17,7 +18,8 @@ pub(super) struct PositionFactors {
     staying: Vec<Vec<(usize, f64)>>,
     /// Factors whose effect rotates with the tool.
     rotating: Vec<Vec<(usize, f64)>>,
-    /// Variance that the other factors add in every direction, m^2.
+    /// Variance in every direction, m^2, that sets of three other factors add. Each set displaces one frame
+    /// along its three axes with equal standard deviations.
     everywhere: f64,
     /// Parameters (indices) whose motions the factors need.
     parameters: Vec<usize>,
@@ -95,8 +97,8 @@ impl PositionFactors {
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// Returns an upper bound, m, of the mean of the second-order terms of the TCP position; None if no bound is
-    /// known. `covariance` is the sum of the outer products of all effects, m^2.
+    /// Returns an upper bound, m, of the mean of the second-order terms of the TCP position; None if no bound
+    /// is known. `covariance` is the sum of the outer products of all effects, m^2.
     ///
     /// Let g be the derivative of the TCP position with respect to a rotation. Let sigma be the standard
     /// deviation of this rotation. The second derivative is at most as long as g. So the mean is at most

@@ -79,17 +79,18 @@ impl BestFit {
         frames.tcp.translation - self.centre
     }
 
-    /// Returns the moments of an error about the centre of the fit.
+    /// Returns the moments `E[d]` (m) and `E[d r^T]` (m2) of an error d.
     ///
-    /// In these moments, the vector r from the centre to the TCP replaces the TCP position.
+    /// Here r is the vector from the centre of the fit to the TCP. The argument holds the moments with the
+    /// TCP position p instead of r.
     fn about_centre(&self, error: ErrorMoments) -> ErrorMoments {
         ErrorMoments { product: error.product - error.mean * self.centre.transpose(), ..error }
     }
 
     /// Returns the twist that fits small displacements d best in the sense of least squares.
     ///
-    /// The argument holds the moments of d about the centre of the fit. This centre is the reference point of
-    /// the twist.
+    /// The argument holds the moments `E[d]` and `E[d r^T]`, where r is the vector from the centre of the fit
+    /// to the TCP. The centre of the fit is the reference point of the twist.
     fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
         // The mean of r x d.
         let moment =

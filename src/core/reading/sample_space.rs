@@ -65,7 +65,8 @@ pub(super) struct SampleStream<'a> {
 }
 
 impl<'a> SampleStream<'a> {
-    /// Begins the stream of a replicate, whose shift follows from `seed` and the index of the replicate.
+    /// Begins the stream of draws of one replicate. The random shift of the sequence depends only on `seed`
+    /// and on `replicate`, the index of the replicate.
     pub fn new(space: &'a SampleSpace, seed: u64, replicate: usize) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(replicate as u64);

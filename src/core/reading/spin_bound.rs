@@ -1,8 +1,9 @@
 //! Lower bound of the value of a posture over rotations of the tool by the last joint.
 //!
-//! The last joint rotates the tool about its axis and does not move the TCP. Only the errors after this joint
-//! (on the tool side) rotate with it: the errors of the last link after the joint, and the errors of the
-//! tool. All other effects do not change.
+//! The last joint rotates the tool about its axis and does not move the TCP. The errors dl, dalpha and dbeta
+//! of the last link and all errors of the tool are after this joint. Only the effects of these errors rotate
+//! with the tool. The effects of all other errors do not change, and no bound is known if an elastic error
+//! may change.
 //!
 //! - Signed sample: the errors after the joint displace the TCP by at most r, and the errors before the joint
 //!   move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
@@ -29,7 +30,7 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// Bound for normal parameters.
     Normal(NormalBound),
-    /// Bound for a worst case, which sources after the last joint can only increase.
+    /// Bound for a worst case: errors after the last joint can only increase a worst case.
     WorstCase,
 }
 
@@ -39,8 +40,8 @@ pub(super) struct NormalBound {
     /// Whether a rotation of the tool leaves the effect of each independent random factor unchanged.
     stays: Vec<bool>,
     pub figure: CentredBound,
-    /// Factors of the position error; None if the sense also measures rotations, or if other errors than
-    /// those of the robot count.
+    /// Factors of the position error. None if the sense also measures rotations, if the equipment has errors,
+    /// or if an error is elastic. None also if a registration or a pick removes a part of the errors.
     pub factors: Option<PositionFactors>,
 }
 
@@ -52,7 +53,8 @@ struct SpinCovariance {
 }
 
 impl SpinBound {
-    /// Returns the factors of a position error that the bound needs; None if it needs none.
+    /// Returns the factors from which the bound of a position error is computed. Returns None for a bound
+    /// that is computed without such factors.
     pub fn factors(&self) -> Option<&PositionFactors> {
         match self {
             Self::Normal(bound) => bound.factors.as_ref(),
@@ -60,7 +62,8 @@ impl SpinBound {
         }
     }
 
-    /// Returns the bound for signed position errors in world directions.
+    /// Returns the bound for the position error of a signed sample. The sense must measure only positions,
+    /// along directions in world axes.
     pub fn of_sample(chain: &Chain, errors: &Perturbation, sense: &Sense) -> Self {
         let rows = sense.rows().iter().map(|row| row.direction);
         let gram = rows.fold(Matrix3::zeros(), |sum: Matrix3<f64>, d: Vector3<f64>| sum + d * d.transpose());
@@ -148,7 +151,8 @@ impl SpinCovariance {
         add_product(&mut self.terms[0], effect, effect);
     }
 
-    /// Adds a random effect that rotates with the tool: its constant part, and its factors of cos q and sin q.
+    /// Adds a random effect that rotates with the tool. The argument holds the constant part of the effect
+    /// and the coefficients of cos q and sin q.
     fn add_rotating(&mut self, [still, cos, sin]: [[f64; 3]; 3]) {
         let [one, of_cos, of_sin, of_cos2, of_both, of_sin2] = &mut self.terms;
         add_product(one, &still, &still);
@@ -170,7 +174,7 @@ impl SpinCovariance {
 }
 
 /// Returns the components of an effect that rotates with the tool about `axis`: the constant part, and the
-/// factors of cos q and sin q.
+/// coefficients of cos q and sin q.
 fn parts(effect: &Displacement, axis: &Vector3<f64>, measure: &SenseRows) -> [[f64; 3]; 3] {
     let each = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
         components(measure, &Displacement { position: of(&effect.position), rotation: of(&effect.rotation) })

@@ -54,8 +54,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the quantity of the statistical reading for the distribution `norm`. The worst case does not
-    /// cap the result.
+    /// Returns the quantity of the statistical reading for the distribution `norm`. The result may exceed the
+    /// worst case.
     fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
         match self.quantity {
             Quantity::Rms => norm.rms(),
@@ -66,8 +66,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns whether the worst case limits the percentiles: bounded parameters dominate, and no parameter
-    /// has an unbounded distribution.
+    /// Returns whether the worst case limits the percentiles. This is the case if bounded parameters
+    /// dominate, and no parameter has an unbounded distribution.
     fn caps(&self, norm: &NormLaw<'_>) -> bool {
         matches!(norm, NormLaw::Bounded(_)) && self.sources.are_all_bounded()
     }

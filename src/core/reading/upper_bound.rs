@@ -1,6 +1,8 @@
-//! Upper bound of the value of an operation at a posture, which costs much less than the value.
+//! Upper bound of the value of an operation at a posture. The bound takes much less computing time than the
+//! value.
 //!
-//! - Normal position errors: an upper bound for zero mean, plus an upper bound of the length of the mean.
+//! - Normal position errors: an upper bound of the value for mean error 0, plus an upper bound of the length
+//!   of the mean error.
 //! - Worst case: the linear worst case plus the largest products of two and more errors.
 
 use super::spin_bound::SpinBound;

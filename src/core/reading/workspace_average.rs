@@ -3,8 +3,8 @@
 //!
 //! The moments are propagated from the tool to the base, joint by joint. Rigid transforms and small motions
 //! map the moments linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
-//! average is exact. The exception is an actuator that drives later joints through the coupling. The mean
-//! over the range of such an actuator is computed by a Gauss-Legendre rule with a relative error below 1e-4.
+//! average is exact, unless an actuator drives later joints through the coupling. The mean over the range of
+//! such an actuator is computed by a Gauss-Legendre rule with a relative error below 1e-4.
 //!
 //! Elastic deflections depend on all joints at once. The part of the error that they cause is averaged over
 //! the postures of a Halton sequence. The rest of the error is averaged as described above.

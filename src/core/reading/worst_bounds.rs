@@ -1,10 +1,11 @@
-//! Lower bounds of the worst case at a posture, which cost much less than the worst case.
+//! Lower bounds of the worst case at a posture. A bound takes much less computing time than the worst case.
 //!
 //! The linear error at any corner of the tolerance box is at most the linear worst case. Leaving out a source
-//! only reduces this worst case. At the worst corner of the linear model, the errors under two models differ
-//! by products of two and more parameter errors. The sums of all rotations and displacements bound these
-//! products. The local search for the nonlinear worst case starts at this corner and at the opposite corner.
-//! So the result is at least the larger of the errors at these two corners.
+//! only reduces this worst case. At any corner, the error by the cell's model and the linear error differ by
+//! products of two and more parameter errors. The sums of all rotations and displacements bound these
+//! products. The local search for the nonlinear worst case starts at the worst corner of the linear model and
+//! at the opposite corner. So the worst case that it finds is at least the larger of the errors at these two
+//! corners.
 
 use super::corner_model::CornerModel;
 use super::error_sources::is_behind;
@@ -20,17 +21,17 @@ const ROUNDING: f64 = 1e-9;
 const MAX_STEPS: usize = 4;
 
 impl ErrorEvaluator {
-    /// Returns whether [`Self::value`] is a worst case, for which bounds are known.
+    /// Returns whether [`Self::value`] is a worst case, so that [`Self::rough_worst`] bounds it.
     pub fn has_worst_bounds(&self) -> bool {
         self.reading == Reading::WorstCase
     }
 
-    /// Returns whether [`Self::corner_worst`] costs much less than [`Self::value`].
+    /// Returns whether [`Self::corner_worst`] takes much less computing time than [`Self::value`].
     pub fn has_sharp_worst_bound(&self) -> bool {
         self.has_worst_bounds() && self.model != Model::Linear
     }
 
-    /// Returns a lower bound of the worst case at a posture, at little cost.
+    /// Returns a lower bound of the worst case at a posture, in little computing time.
     ///
     /// If `turning` is true, the bound also holds after every rotation of the tool about its axis by the last
     /// joint.
@@ -77,8 +78,9 @@ impl ErrorEvaluator {
         linear.upper.max(linear.value)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture, and whether the bound is the
-    /// worst case itself. The bound is the result of a local search that leaves out most starting corners.
+    /// Returns a lower bound of the worst case at a posture by a nonlinear model. The returned `bool` is true
+    /// if this bound is the worst case itself. The bound is the result of a local search that leaves out most
+    /// starting corners.
     pub fn searched_worst(
         &self,
         context: &WorkContext,
@@ -109,8 +111,9 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the length of the longest signed sum of all columns that a few steps of ascent find. The farthest
-/// vertex of the zonotope is at least this far from the origin.
+/// Returns the length of the longest signed sum of all columns that the search finds. The search takes at
+/// most [`MAX_STEPS`] steps of ascent. The farthest vertex of the zonotope is at least this far from the
+/// origin.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

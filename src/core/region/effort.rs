@@ -44,8 +44,9 @@ impl RegionEffort {
         evaluations: 150,
         compared: 4,
     };
-    /// Resolution for an arm whose branches do not keep their indices. At a neighbouring target, an index may
-    /// denote another branch. The inverse kinematics then moves a known posture to each target numerically.
+    /// Resolution for an arm whose branches do not keep their indices. At a neighbouring target, the same
+    /// index may belong to another branch. Each posture is therefore computed numerically, starting from a
+    /// known posture at a neighbouring target.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
     /// Returns whether the check of a placement takes milliseconds.

@@ -37,7 +37,7 @@ use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MovableBody {
     Base,
-    /// Index of the equipment.
+    /// Piece of equipment, given by its index in the cell.
     Equipment(usize),
 }
 
@@ -51,14 +51,16 @@ impl MovableBody {
     }
 }
 
-/// Reason why the room of a piece is not larger. The room is the distance by which the piece may be displaced
-/// in any direction.
+/// Reason why the room of a piece, or the range of a rotation, is not larger. The room is the largest
+/// distance by which the piece may be displaced in every direction in plan. The rotation is a rotation of one
+/// piece, or of all pieces together ([`WholeTurn`]).
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
-    /// The piece reaches an end of the range of a search variable. This is also the value if the
-    /// computation finds no reason.
+    /// A piece reaches an end of the range of a search variable. This is also the value if the computation
+    /// finds no reason.
     Range,
-    /// The piece reaches the edge of the window that is examined around the found placement.
+    /// The piece reaches the edge of the window that is examined around the found placement. For a rotation
+    /// of all pieces, the window is half a revolution in both directions.
     Window,
     Held(Ending),
 }

@@ -193,8 +193,10 @@ impl<'a> MovablePiece<'a> {
         TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
     }
 
-    /// Returns the radius, m, of the largest disc inside the outline around the found placement, and the
-    /// reason that limits the radius.
+    /// Returns the radius, m, of a disc around the found placement, and the reason why it is not larger.
+    ///
+    /// The radius is first the distance from the found placement to the outline. It then shrinks until the
+    /// layout is accepted in all checked directions.
     fn room(&self, rings: &[Vec<PlanePoint>]) -> (f64, RoomEnd) {
         let at = (self.own.x, self.own.y);
         let edges = rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));

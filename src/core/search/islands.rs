@@ -23,7 +23,8 @@ pub struct Island {
     pub best: Layout,
     /// Cost of the best layout, with the penalty for infeasible layouts.
     pub cost: f64,
-    /// Least objective found (m, rad or a share); None if no layout is feasible and within every limit.
+    /// Least objective found (m, rad, a share or a cost). None if no layout is feasible and within every
+    /// limit.
     pub least: Option<f64>,
     pub evaluations: u64,
     pub feasible: u64,

@@ -59,7 +59,7 @@ pub struct EvaluatedLayout {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     pub candidate: EvaluatedLayout,
-    /// Value of each goal in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
+    /// Value of each goal in the order of [`crate::cell::Goal::ALL`]: m, rad, m^2, s, a share or a cost.
     pub goals: Vec<f64>,
 }
 
@@ -71,13 +71,14 @@ pub struct SearchRecord {
     ///
     /// Among the layouts with nearly the least objective, a layout whose pieces have much room is chosen.
     pub best: EvaluatedLayout,
-    /// Least objective found (m, rad or a share); None if no layout is feasible and within every limit.
+    /// Least objective found (m, rad, a share or a cost). None if no layout is feasible and within every
+    /// limit.
     pub least: Option<f64>,
     pub evaluations: u64,
     /// Number of evaluated layouts that were feasible and within every limit.
     pub feasible: u64,
-    /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
-    /// layout.
+    /// Number of evaluations and objective (m, rad, a share or a cost) at each improvement of the best
+    /// feasible layout.
     pub trace: Vec<(u64, f64)>,
     /// Lower bound of the objective (m or rad); None if no bound was given.
     pub bound: Option<f64>,

@@ -30,7 +30,7 @@ pub struct Progress {
     pub budget: u64,
     /// Number of evaluated layouts that were feasible and within every limit.
     pub feasible: u64,
-    /// Objective of the best feasible layout, m, rad or a share.
+    /// Objective of the best feasible layout, m, rad, a share or a cost.
     pub best: Option<f64>,
 }
 

@@ -57,8 +57,8 @@ pub struct Record {
     /// Point of the unit cube with the least cost.
     pub point: Vec<f64>,
     pub cost: Option<f64>,
-    /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
-    /// layout.
+    /// Number of evaluations and objective (m, rad, a share or a cost) at each improvement of the best
+    /// feasible layout.
     pub trace: Vec<(u64, f64)>,
     /// Length of the longest series of evaluations so far without significant improvement, updated after each
     /// batch.
@@ -85,7 +85,7 @@ impl Record {
         Self { point, front, shortlist, ..Self::default() }
     }
 
-    /// Returns the objective of the best feasible layout (m, rad or a share), if there is one.
+    /// Returns the objective of the best feasible layout (m, rad, a share or a cost), if there is one.
     pub fn best(&self) -> Option<f64> {
         self.trace.last().map(|t| t.1)
     }

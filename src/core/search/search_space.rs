@@ -163,7 +163,7 @@ fn share(coordinate: &Coordinate, value: f64) -> f64 {
 /// Largest number of decimals of a resolution in mm or degrees.
 const RESOLUTION_DIGITS: i32 = 9;
 
-/// Returns the multiple of `step` inside a range that is nearest to `value`.
+/// Returns the multiple of `step` that lies inside a range and is nearest to `value`.
 ///
 /// If the range contains no multiple, returns the point of the range that is nearest to `value`.
 ///

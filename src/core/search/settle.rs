@@ -3,9 +3,9 @@
 //!
 //! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
 //! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among these
-//! layouts ([`estimated_room`]). Polls then compare the layout with the most room with its neighbours, which
-//! differ by one step of one coordinate. The result is the layout with the most clearance among the layouts
-//! with nearly the most room.
+//! layouts ([`estimated_room`]). A pattern search then polls (evaluates) the neighbours of the layout with
+//! the most room. A neighbour differs by one step of one coordinate. The result is the layout with the most
+//! clearance among the layouts with nearly the most room.
 //!
 //! The phase is a pure function of cell, settings, best layout and bound, so a resumed search repeats it.
 
@@ -32,9 +32,10 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// First step of the polls, as a share of the search range. Each step is half the previous step.
+/// First step size of the polls, as a share of the search range. Each later step size is half the previous
+/// one.
 const POLL: f64 = 1.0 / 256.0;
-/// Number of polling steps.
+/// Number of step sizes of the polls. A poll with one step size is repeated while it finds more room.
 const POLLS: i32 = 4;
 /// Upper limit of an estimated room, m.
 const WIDEST: f64 = 0.25;
@@ -55,7 +56,7 @@ struct RoomProblem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,
     watch: &'a Watch<'a>,
-    /// Largest objective allowed, m, rad or a share.
+    /// Largest objective allowed, m, rad, a share or a cost.
     most: f64,
     state: Mutex<RoomState>,
 }
@@ -76,11 +77,15 @@ struct RoomState {
 /// with the largest estimated rooms are compared accurately.
 ///
 /// `best` is the point with the least objective, `least`. The indifference gives an upper limit of the
-/// objective of a usable layout. If `bound` is given and is less than this limit, `bound` is the limit. If
-/// `bound` is less than `least`, the limit is `least`. The result is None if the cell requests an ideal
-/// layout, for which placement tolerances are ignored. The result is also None if `settings` request a Pareto
-/// search. The result is also None if the indifference is 0 or less, or if no piece has a range for x or y.
-/// The result is also None if no evaluated layout is usable, or if the observer stops the search.
+/// objective of a usable layout. `bound` is the largest objective within the optimality gap that the user
+/// requests. This objective is the proven lower bound times (1 + gap). If `bound` is given and is less than
+/// the limit by the indifference, `bound` is the limit. If `bound` is less than `least`, the limit is
+/// `least`.
+///
+/// The result is None if the cell requests an ideal layout, for which placement tolerances are ignored. The
+/// result is also None if `settings` request a Pareto search, or if the indifference is 0 or less. The result
+/// is also None if no piece has a range for x or y. The result is also None if no evaluated layout is usable,
+/// or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,
@@ -122,7 +127,8 @@ impl RoomProblem<'_> {
         most.map_or(otherwise.to_vec(), |(_, point)| point.clone())
     }
 
-    /// Polls the neighbours of the point with the most room until no neighbour has more room.
+    /// Polls the neighbours of the point with the most room, with each step size in turn. A poll is repeated
+    /// until no neighbour has more room.
     fn poll(&self, otherwise: &[f64]) {
         for halvings in 0..POLLS {
             let step = POLL / f64::from(1 << halvings);

@@ -16,8 +16,8 @@ pub struct ComparedPose {
     pub nominal: Vector3<f64>,
     /// Measured minus nominal position, base frame, m.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, base frame, m. The part that the fit of base and reflectors
-    /// absorbs is removed.
+    /// Predicted mean of the measured error, base frame, m. The fit of base and reflectors absorbs a part of
+    /// this error, so that part is removed.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error, m. In the signed reading, this is the length of [`Self::predicted`]. In
     /// the other readings, this is the root mean square of the error, deviations included.

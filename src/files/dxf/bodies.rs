@@ -1,5 +1,5 @@
-//! Bodies of a plan: upright boxes, cylinders and prisms over its outlines, each with the rectangle of least
-//! area around it.
+//! Bodies of a plan: upright boxes, cylinders and prisms over the outlines of the plan. Each body states the
+//! rectangle of least area around itself.
 
 use super::DxfFault;
 use super::convex::convex_parts;

@@ -80,8 +80,8 @@ fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     })
 }
 
-/// Returns an empty string, then the values of all group codes 0. The strings are the types of the parts that
-/// [`slice::split`] makes at group codes 0, in order. The first part has no type.
+/// Returns the type of each part that [`slice::split`] makes at group codes 0, in order. The type is the
+/// value of the group code 0 before the part. No group code 0 precedes the first part, so its type is empty.
 fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }

@@ -102,7 +102,7 @@ pub fn entities(pairs: &[GroupCode<'_>]) -> Result<Vec<Entity>, DxfFault> {
     Ok(all)
 }
 
-/// Splits the pairs before the next group code 0, which begins the next entity.
+/// Splits the pairs into the first entity and the rest. The rest begins at the next group code 0.
 fn split_next<'p, 't>(pairs: &'p [GroupCode<'t>]) -> (&'p [GroupCode<'t>], &'p [GroupCode<'t>]) {
     let end = pairs.iter().skip(1).position(|p| p.code == 0).map_or(pairs.len(), |k| k + 1);
     pairs.split_at(end)

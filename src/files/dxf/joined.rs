@@ -16,8 +16,8 @@ pub struct OpenPath {
 
 /// Returns the closed outlines that open paths form, and the paths that belong to no outline.
 ///
-/// A chain of paths is an outline if exactly two ends meet at each of its joints. The line number of an
-/// outline is the line of the file where its first path begins.
+/// A joint is a point at which paths end. A chain of paths is an outline if exactly two ends meet at each
+/// joint of the chain. The line number of an outline is the line of the file where its first path begins.
 pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     let ends = ends(&paths);
     let mut at_joint: HashMap<usize, Vec<usize>> = HashMap::new();

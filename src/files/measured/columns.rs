@@ -100,7 +100,8 @@ impl<'h> TableNames<'h> {
         self.find_besides(joints, is_numbered)
     }
 
-    /// Finds the columns of the joints and the unit that their names state.
+    /// Finds the columns of the joints, and the unit of the joint coordinates. The unit is None if neither
+    /// the column names nor a line of units states it.
     ///
     /// # Errors
     ///
@@ -196,7 +197,7 @@ impl<'h> TableNames<'h> {
         Ok(joints)
     }
 
-    /// Returns the first joint that neither a column nor the user names.
+    /// Returns the first joint, such as `q3`, for which no column is found and the user states no column.
     fn first_missing_joint(&self) -> String {
         let numbers = 0..self.robot_joints.len();
         let is_named = |k: usize| {

@@ -42,7 +42,7 @@ pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     if alike.len() == 1 { vec![one] } else { alike }
 }
 
-/// Words of a column name other than the axis. The three columns of a position agree in these words.
+/// Words of a column name without the axis word. The three columns of a position agree in these words.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct PositionGroup {
     origin: ColumnOrigin,
@@ -80,7 +80,9 @@ const NO_POSITION: [&str; 18] = [
     "w",
 ];
 
-/// Returns the axis that the words of a name state, and the other words; None if they state no axis.
+/// Returns the axis that one word of a column name states, and the other words of the name.
+///
+/// Returns None if no word states an axis, or if another word is one of [`NO_POSITION`].
 fn axis_of(words: &[&str]) -> Option<(usize, Vec<String>)> {
     let axis = |word: &str| ["x", "y", "z"].iter().position(|axis| *axis == word);
     if let [word] = words

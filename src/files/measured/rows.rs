@@ -126,7 +126,8 @@ impl RowReader<'_, '_> {
         faults
     }
 
-    /// Returns the index of a reflector. The columns, or the name in the row, identify the reflector.
+    /// Returns the index of a reflector. A name in the row identifies the reflector if the table has a column
+    /// of reflector names and one position per row. Otherwise, the position columns identify the reflector.
     fn reflector(&mut self, of_columns: usize, fields: &[&str]) -> usize {
         let columns = &self.found.reflectors;
         let name = match (self.found.reflector, columns.len()) {

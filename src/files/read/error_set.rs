@@ -119,7 +119,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
     }
 }
 
-/// Records a fault for every nonzero number of `key` that belongs to a joint whose kind is not `kind`.
+/// Records a fault for every nonzero number of `key` whose joint is not of the kind `kind`.
 fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_>, kind: JointKind) {
     let Some(node) = t.get(key) else { return };
     let (is, right) = match kind {

@@ -190,10 +190,10 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     limit
 }
 
-/// Reads `relative_to = "NAME"`; returns the index of that operation.
+/// Reads `relative_to = "NAME"`; returns the index of the named operation.
 ///
-/// That operation must come before the operation that is read, have a single spot, and not be relative to
-/// another operation.
+/// The named operation must precede the operation that is being read. The named operation must also have a
+/// single spot, and must not be relative to another operation.
 fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;

@@ -34,7 +34,7 @@ impl ErrorRows<'_> {
         [2, 3, 4].map(|k| PER_LINK * row + k)
     }
 
-    /// Returns the indices of the parameters that no key of a file with modified rows sets; None for standard
+    /// Returns the indices of the parameters that a file with modified rows cannot set; None for standard
     /// rows.
     ///
     /// These parameters are dl, dalpha and dbeta ([`Self::of_row`]) of the last standard row.

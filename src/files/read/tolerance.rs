@@ -36,8 +36,10 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     Some(Tolerance { name: values.name, spreads, covariance, costs: costs? })
 }
 
-/// Returns the parameters of a robot whose tolerances may have costs. In `spreads`, the tolerance of a
-/// parameter of the covariance is 0, because [`set_variances`] runs later.
+/// Returns the parameters of a robot whose tolerances may have costs.
+///
+/// The caller calls this function before [`set_variances`]. So `spreads` still has the tolerance 0 for every
+/// parameter of the covariance.
 fn costed(arm: ErrorRows<'_>, spreads: &[Spread]) -> Vec<CostedParameter> {
     let names = covariance::names_of(arm);
     let each = Parameter::of_robot(arm.axes).zip(spreads).zip(names).map(|((parameter, spread), name)| {

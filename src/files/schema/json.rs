@@ -89,7 +89,8 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the key whose absence makes a key with [`Need::Unless`] required; None if `need` is not `Unless`.
+/// Returns the other key that [`Need::Unless`] names: if the other key is missing, this key is required.
+/// Returns None for every other `need`.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -211,7 +212,7 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule. The optional schema applies only to tables that are not merged over another
+/// Returns the schemas of a rule. The optional schema applies only to tables that take no keys from another
 /// file. The schemas in the list apply to all tables.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {

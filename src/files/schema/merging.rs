@@ -1,8 +1,10 @@
-//! Schema rules for tables that are merged over a table of another file.
+//! Schema rules for tables that take missing keys from another file.
+//!
+//! The key `from` names the other file.
 
 use serde_json::{Map, Value, json};
 
-/// Schema key that holds the rules for tables that are not merged over another file.
+/// Schema key of the rules for complete tables. A complete table takes no keys from another file.
 ///
 /// This key is not a keyword of JSON Schema; [`separated`] removes it.
 pub const WHOLE: &str = "whole";
@@ -22,12 +24,12 @@ pub fn unless(key: &str, then: Value) -> Value {
 /// Moves the requirements of a schema into a separate schema and returns the separate schema. Returns None if
 /// there are no requirements.
 ///
-/// A table that is merged over another file may lack required keys, because the other file may have them. The
-/// returned schema applies to tables that are complete by themselves.
+/// A table that takes keys from another file may lack required keys, because the other file may have them.
+/// The returned schema applies only to tables that take no keys from another file.
 ///
-/// `merges` states whether the tables of the schema can be merged over another file. The value is false for
-/// items of lists and for ranges. Items and ranges are replaced as a whole, so the schema keeps their
-/// requirements.
+/// `merges` states whether the tables of the schema can take keys from another file. The value is false for
+/// items of lists and for ranges. A file replaces lists and ranges of another file as a whole. The schema
+/// therefore keeps the requirements of items and ranges.
 pub fn separated(schema: &mut Value, merges: bool) -> Option<Value> {
     let keys = schema.as_object_mut()?;
     let mut whole = Map::new();

@@ -68,7 +68,8 @@ fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     }
 }
 
-/// Merges a table over the file that its `from` names, then over the `from` of that file, and so on.
+/// Adds the entries of the file that the `from` of a table names; entries of the table take precedence. Then
+/// follows the `from` of that file in the same way, until no `from` is left.
 ///
 /// Returns the index of the last file of the chain; None if there is no `from` that can be followed. A
 /// `from` that cannot be followed becomes [`Value::Unread`].

@@ -198,7 +198,8 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
 /// Checks the named tables of a setting. A table that the cell does not have is removed and recorded as
 /// a fault.
 ///
-/// A setting with the path of the table itself, such as `equipment.NAME`, adds the table to the cell instead.
+/// A table remains if a setting has the path of the whole table, such as `equipment.NAME`. Such a setting
+/// adds a missing table to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {

@@ -69,8 +69,9 @@ const SHORTEST: f64 = 1e-13;
 /// exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Sine of the least angle at which a row connects the last joint axis to the tip z axis. At a smaller
-/// angle all values of the last row are 0, unless the axes are parallel.
+/// Least sine of the angle between two slanted axes that the last row connects. The two axes are the last
+/// joint axis and the z axis of the tip link. If the sine is smaller but the axes are not parallel, all
+/// values of the last row are 0.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.

@@ -17,7 +17,8 @@ pub struct Faults {
     /// Index of the URDF among the sources.
     file: usize,
     found: Vec<UrdfFault>,
-    /// Number of angles that are read as right angles, and the largest change, rad.
+    /// Number of angles that [`Self::snap`] has replaced by a right angle, and the largest difference between
+    /// an angle and its replacement, rad.
     pub snapped: (usize, f64),
 }
 

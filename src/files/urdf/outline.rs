@@ -1,5 +1,5 @@
-//! Outline of a URDF, for which no robot file is needed: the chain to a guessed or stated tip link, and the
-//! meshes of the links.
+//! Outline of a URDF: the chain to a guessed or stated tip link, and the meshes of the links. The outline
+//! requires no robot file.
 
 use super::fault_list::Faults;
 use super::model::{Geometry, Named, Urdf};

@@ -1,4 +1,4 @@
-//! Collision shapes of the links of the chain and of the links fixed to them, in D-H frames.
+//! Collision shapes, in D-H frames, of the links of the chain and of the links that are fixed to the chain.
 
 use super::dh::Derived;
 use super::model::*;
@@ -23,7 +23,7 @@ pub struct Carried {
     pose: Pose,
 }
 
-/// Returns the links of the chain and the links fixed to them.
+/// Returns the links of the chain, and the links that are fixed to the chain.
 pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &LinkChain, lib: &mut Library<'_>) -> Vec<Carried> {
     let mut open = vec![Carried { link: way.base, frame: 0, pose: Pose::identity() }];
     let mut all = Vec::new();

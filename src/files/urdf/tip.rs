@@ -33,8 +33,8 @@ const SAME_POINT: f64 = 1e-3;
 /// Largest distance between a unit vector and a coordinate axis at which the vector counts as that axis.
 const ON_AXIS: f64 = 1e-3;
 
-/// Returns the guessed tip link below `base`. The link is on the longest chain of moving joints, without the
-/// fingers of a gripper.
+/// Returns the guessed tip link below `base`. The link is the end of the longest chain of moving joints, or
+/// is fixed to that end. The chain ends before the fingers or the jaw of a gripper.
 pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     let end = end_of_arm(urdf, tree, base);
     let fixed = fixed_below(urdf, tree, end);
@@ -98,10 +98,11 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches are fingers: several of them are driven, or one of their joints mimics another
-/// of their joints. A driven branch has a moving joint that mimics no joint.
+/// Returns whether branches of the tree are fingers of a gripper. Several of the branches are then driven, or
+/// a joint of the branches mimics another joint of the branches. A driven branch has a moving joint that
+/// mimics no joint.
 ///
-/// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
+/// The passive bars of a parallelogram are no fingers: they mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {
     let inside: Vec<Vec<&UrdfJoint>> = branches.iter().map(|&j| moving_of_branch(urdf, tree, j)).collect();
     let is_driven = |joints: &&Vec<&UrdfJoint>| joints.iter().any(|joint| joint.mimic.is_none());
@@ -137,7 +138,8 @@ fn moving_below(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> Vec<usize> {
     most
 }
 
-/// Returns a link and the links that are fixed to it and come after it, in the order of the chain.
+/// Returns a link, then all links below this link in the tree that are fixed to it. Every parent link
+/// precedes its child links.
 fn fixed_below(urdf: &Urdf, tree: &Tree<'_>, link: usize) -> Vec<usize> {
     let mut all = vec![link];
     let mut next = 0;

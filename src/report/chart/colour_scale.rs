@@ -30,7 +30,7 @@ impl ColourScale {
         if high > low { round_numbers(low, high, self.step).collect() } else { Vec::new() }
     }
 
-    /// Returns the lower edges of the bands and their colours.
+    /// Returns the lower edge and the colour of each band.
     pub fn bands(&self) -> Vec<(f64, String)> {
         let Self { low, high, .. } = *self;
         let apart = self.step / BANDS;

@@ -101,7 +101,7 @@ pub fn colour(share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Draws the colour bar with the colour of the largest increase of the error at the top. Returns the position
+/// Draws the colour bar. The colour of the largest increase of the error is at the top. Returns the position
 /// of the lower end of the bar, px.
 fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
     let tall = 8.0 * STEPS as f64;

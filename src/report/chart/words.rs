@@ -40,8 +40,8 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
     kept.trim_end().to_string() + "\u{2026}"
 }
 
-/// Returns a text broken into at most `most` lines at spaces, or inside a word longer than a line. The last
-/// line is shortened if the text does not fit.
+/// Returns a text broken into at most `most` lines. Lines end at spaces, after wide characters, or inside a
+/// word longer than a line. The last line is shortened if the text does not fit.
 pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut rest = text.trim();
@@ -58,6 +58,9 @@ pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
 }
 
 /// Returns the byte index at which the first line ends. The line has at least one character.
+///
+/// The line ends after the last space or wide character (Chinese, Japanese, Korean, emoji) that fits. If
+/// there is none, the line ends inside a word.
 fn line_end(text: &str, size: f64, room: f64) -> usize {
     let (mut used, mut space) = (0.0, None);
     for (at, c) in text.char_indices() {

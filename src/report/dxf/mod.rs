@@ -151,8 +151,8 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut L
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Returns a tolerance (half width) in words, followed by the unit sign `sign`. Returns an empty text if the
-/// tolerance is 0.
+/// Returns a tolerance (half width) as text: a plus-minus sign, the number and the unit sign `sign`. Returns
+/// an empty text if the tolerance is 0.
 fn plus_minus(half: f64, sign: &str) -> String {
     if half == 0.0 { String::new() } else { format!(" \u{b1}{}{sign}", rounded(half, 3)) }
 }

@@ -27,8 +27,11 @@ struct CadPiece<'d> {
     parts: Vec<(&'d DrawnPart, Pose)>,
 }
 
-/// Writes a block for every object, and an INSERT entity that places the block. A block contains outline in
-/// plan, floor space, frame, name and faces. Returns the number of faces.
+/// Writes a block for every object, and an INSERT entity that places the block. Returns the number of faces.
+///
+/// The block of a robot, equipment or obstacle contains outline in plan, floor space, frame, name and faces.
+/// A name without a free place goes to the text column instead. The blocks of the fence and of the keep-out
+/// spaces contain only outlines and faces.
 pub fn write(
     file: &mut DxfFile,
     drawing: &Drawing<'_>,
@@ -88,7 +91,8 @@ fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<Ca
     std::iter::once(robot).chain(stands).collect()
 }
 
-/// Writes a piece as a block whose origin is the frame of the piece. Returns the number of faces.
+/// Writes a piece as a block whose origin is the frame of the piece. Returns the number of faces. A name
+/// without a free place goes to the text column, with a line to the frame of the piece.
 fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels: &mut Labels) -> usize {
     let frame = piece.at.pose();
     let own = frame.inverse();

@@ -3,9 +3,10 @@
 use crate::files::shown;
 
 /// Returns the text as one line that contains no formatting code of CAD programs. Control characters are
-/// escaped, backslashes become slashes, and a space breaks `^` and `%%` codes. The characters
-/// U+00B0 (degree) and U+00B1 (plus-minus) become `%%d` and `%%p`, which every CAD program knows. Other
-/// characters outside ASCII become `\U+` and their code point; characters beyond U+FFFF become `?`.
+/// escaped, and backslashes become slashes. A space follows each `^` and separates the characters of `%%`, so
+/// that neither begins a code. The characters U+00B0 (degree) and U+00B1 (plus-minus) become `%%d` and `%%p`,
+/// which every CAD program knows. Other characters outside ASCII become `\U+` and their code point;
+/// characters beyond U+FFFF become `?`.
 pub fn safe(text: &str) -> String {
     let mut safe = String::new();
     for c in shown(text).chars() {

@@ -79,8 +79,8 @@ fn distributions(tolerance: &Tolerance) -> String {
     }
 }
 
-/// Returns a clause that names the operations with extrapolated errors. The clause follows the description of
-/// the errors.
+/// Returns a clause that names the operations with extrapolated errors. The report puts this clause after its
+/// description of the error set.
 fn extrapolated(subject: &Subject<'_>) -> String {
     let a = subject.shown();
     let said = a.maps.iter().filter_map(|map| {

@@ -173,9 +173,9 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether numbers of a layout may depend on the linearized model. This is true if the cell does not
-/// choose the nonlinear model. It is also true if the reading is not signed and the two models differ by more
-/// than the guard. Every usable node is compared.
+/// Returns whether numbers of a layout may depend on the linearized model. This is true if the cell chooses
+/// the linear or the second-order model. Under a worst-case or statistical reading, it is also true if the
+/// discrepancy exceeds the guard at a usable node.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())

@@ -16,7 +16,8 @@ pub fn told(unit: Unit, value: f64) -> String {
     }
 }
 
-/// Returns a bound with its unit, rounded down, so that the printed number is a proven bound, too.
+/// Returns a lower bound with its unit. The number is rounded down, so the printed number is still a lower
+/// bound.
 pub fn down(unit: Unit, bound: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", (percent_from_share(bound) * 1e4).floor() / 1e4),

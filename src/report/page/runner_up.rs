@@ -9,9 +9,9 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// Returns the best other layout that the search kept. If the search kept no other layout, returns the
-/// second-best node of one operation in the recommended layout. This is the operation whose value increases
-/// least from its spot to its second-best node.
+/// Returns the kept layout with the least objective, other than the recommended layout. If the search kept no
+/// other layout, returns the second-best node of one operation in the recommended layout. This is the
+/// operation whose value increases least from its spot to its second-best node.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;
@@ -62,7 +62,7 @@ const MAX_CERTIFIED: usize = 32;
 
 /// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.
 ///
-/// If a certificate of the layout was computed, the operation must be certified at the node, too. At most
+/// If a certificate of the layout was computed, the operation must also be certified at this node. At most
 /// [`MAX_CERTIFIED`] nodes are tried.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];

@@ -116,8 +116,8 @@ impl TypesetTable {
     }
 }
 
-/// Returns the natural width of every column, mm: the width of its widest cell or of its head. A head that is
-/// wider than 8 font heights may be broken between words.
+/// Returns the natural width of every column, mm: the larger of the widths of its widest cell and its head.
+/// Only a head that is wider than 8 font heights may be broken between words.
 fn natural_widths(table: &PageTable, size: f64) -> Vec<f64> {
     let of_head = |word: &str| 1.08 * words::width(word, size);
     let column = |(k, head): (usize, &String)| {

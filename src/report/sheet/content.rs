@@ -113,8 +113,8 @@ pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
 
 const SPOT: &str = "#99286e";
 
-/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. The names are
-/// placed where they cover nothing.
+/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. A name covers
+/// no occupied box if one of its places is free.
 pub fn spots(
     out: &mut String,
     drawing: &Drawing<'_>,
@@ -144,7 +144,8 @@ pub fn spots(
 }
 
 /// Returns the first place at which a text of the width `wide` (mm) covers no occupied box. Adds the box of
-/// the text to the occupied boxes. If no place is free, returns the first place.
+/// the text at this place to the occupied boxes. If no place is free, returns the first place and adds no
+/// box.
 fn free_place(
     taken: &mut OccupiedBoxes,
     places: impl Iterator<Item = (f64, f64)> + Clone,

@@ -1,5 +1,7 @@
-//! Dimensions of the views: distances along the world x and y from the robot base to the nearest corner of
-//! every piece of equipment. The yaw of every piece and the heights in the front view are dimensioned, too.
+//! Dimensions of the plan and of the front view.
+//!
+//! The plan states the distances from the robot base to the nearest corner of each piece, along world x and
+//! y. The plan also states the yaw of each piece. The front view states the heights.
 
 use super::SheetView;
 use super::ink::{TextAnchor, TextStyle, put, stroke};
@@ -66,8 +68,9 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
 /// Returns the tolerances of a corner of a piece along x and y, m. A corner within these tolerances keeps the
 /// frame of the piece within its placement tolerances at every allowed yaw.
 ///
-/// A yaw error d moves the frame by d times the distance of the frame from the corner. The tolerance of the
-/// corner is smaller by this amount.
+/// If the corner is in place, a yaw error rotates the frame about the corner. A yaw error d moves the frame
+/// along x by d times the y distance between frame and corner. It moves the frame along y by d times the x
+/// distance. The tolerance of the corner is the placement tolerance minus this displacement.
 fn of_corner(given: &[f64; 4], at: &Placement, corner: &Vector2<f64>) -> [Option<f64>; 2] {
     let arm = Vector2::new(at.x, at.y) - corner;
     let left = [given[0] - given[3] * arm.y.abs(), given[1] - given[3] * arm.x.abs()];
@@ -96,7 +99,8 @@ fn number(m: f64) -> String {
     (rounded(mm_from_m(m), 1).abs() + 0.0).to_string()
 }
 
-/// Returns a tolerance in words, rounded down to 0.1 mm; empty if there is none.
+/// Returns a tolerance as text with a plus-minus sign, mm, rounded down to 0.1 mm. The text is empty if there
+/// is no tolerance.
 fn plus_minus(tolerance: Option<f64>) -> String {
     // Adding 1e-6 compensates for rounding errors of the conversion.
     let down = |m: f64| (mm_from_m(m) * 10.0 + 1e-6).floor() / 10.0;

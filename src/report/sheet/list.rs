@@ -133,7 +133,7 @@ fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
     all
 }
 
-/// Returns a placement tolerance (m, rad) in words; empty if the placement has none.
+/// Returns a placement tolerance (m, rad) as text with plus-minus signs; empty if the placement has none.
 fn tolerance_in_words(tolerance: &[f64; 4]) -> String {
     if tolerance.iter().all(|half| *half == 0.0) {
         return String::new();

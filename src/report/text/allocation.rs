@@ -139,7 +139,9 @@ fn costs(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns a line for each requirement at its limit, in order of decreasing shadow price.
+/// Returns lines about the requirements at their limits, in order of decreasing shadow price. Only the first
+/// [`MAX_LISTED`] requirements get a line, and a last line states the number of the others. If the allocation
+/// is solved and no requirement is at its limit, a line says so.
 fn bindings(d: &AllocationDocument) -> String {
     let mut binding: Vec<&AllocationRequirement> = d.requirements.iter().filter(|r| r.is_binding).collect();
     binding.sort_by(|a, b| b.shadow_price.unwrap_or(0.0).total_cmp(&a.shadow_price.unwrap_or(0.0)));

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Returns the accuracy before and after the calibration, the parameters of the fit, and the rank.
 ///
 /// The rank is the number of parameter combinations whose standard deviation the data reduce to less than
-/// half.
+/// half of its prior value.
 pub fn calibration(document: &CalibrationDocument) -> String {
     let mut out = format!(
         "{}: calibrated with {} positions, residual {} mm per axis\n\nPosition error, mm\n",

@@ -10,7 +10,8 @@ use crate::record::{joints as joint_coordinates, near_limits, reading_word};
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
-/// Returns the comparison table, then the reasons why layouts are not feasible.
+/// Returns the certificates of the layouts, the comparison table, and the reasons why layouts are not
+/// feasible.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
     let mut out: String = comparison.columns.iter().map(super::certificate).collect();
     if !out.is_empty() {

@@ -196,8 +196,7 @@ fn models(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns the names of the subtracted terms. The explained error is the error of the robot alone minus these
-/// terms.
+/// Returns the names of the terms that are subtracted from the error of the robot alone.
 fn taken_words(e: &Explanation<'_>) -> String {
     let registration = match e.context.cell.registration {
         Registration::None => None,

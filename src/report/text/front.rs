@@ -17,7 +17,8 @@ fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> 
     cell.measured_goals().filter_map(move |goal| Some(fixed(goals::value(cell, goal, *of(goal)?), 4)))
 }
 
-/// Returns the goals of a layout other than the error, in one line; empty if the layout is not feasible.
+/// Returns the goals of a layout, without the error, in one line. The text is empty if the layout is not
+/// feasible.
 pub fn goals_line(a: &Assessment<'_>) -> String {
     let Some(values) = a.goals() else { return String::new() };
     let others = a.cell.measured_goals().zip(cells(a.cell, &values)).skip(1);

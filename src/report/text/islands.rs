@@ -1,4 +1,4 @@
-//! Islands: the searches with successive seeds from which a result was merged.
+//! Islands: searches with successive seeds whose results are merged into one result.
 
 use super::fixed;
 use super::table::TextTable;

@@ -6,8 +6,8 @@ use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
 use crate::report::sweep::word;
 use std::fmt::Write;
 
-/// Returns the table of all rows with the best row marked. Below the table, lists the best row for every
-/// value of every `--set` option.
+/// Returns the table of all rows, in which a star marks the best row. A second table states the best row for
+/// each value of each `--set` option.
 pub fn sweep(document: &SweepTable) -> String {
     let Some(first) = document.rows.first() else { return String::new() };
     let mut table = TextTable::new(2 + first.set.len());

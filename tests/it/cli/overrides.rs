@@ -141,7 +141,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
         let args = [command, PAPER, "--errors", "table-3-tolerance", "--reading", "signed"];
         let ran = shop.run(&args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("has no signed sample"), "{}", ran.err);
+        assert!(ran.err.contains("is a set of tolerances, not a signed sample"), "{}", ran.err);
         assert!(ran.err.contains("help: choose the reading worst-case or statistical"), "{}", ran.err);
     }
 }
@@ -152,7 +152,7 @@ fn the_yield_quantity_needs_a_limit() {
     for command in ["map", "search", "compare", "budget", "explain"] {
         let ran = shop.run(&[command, CELL, "--quantity", "yield"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{command}");
-        assert!(ran.err.contains("`assembly` has no limit"), "{}", ran.err);
+        assert!(ran.err.contains("needs a limit, but `assembly` has none"), "{}", ran.err);
         assert!(ran.err.contains("help: add limit_mm"), "{}", ran.err);
     }
     assert!(!shop.path("results").exists());

@@ -132,7 +132,7 @@ impl JointMap {
     ///
     /// Joint 3 may be measured from the horizontal instead of from link 2. Joints 2 and 3 may drive joint 4
     /// of an arm with four or five axes, such as a palletizer. In the wrist of an arm with six or more axes,
-    /// joint 4 may drive joints 5 and 6. Joint 5 may drive joint 6 there.
+    /// joint 4 may drive joints 5 and 6. Joint 5 may drive joint 6 in such a wrist.
     pub fn couplings(axes: usize) -> Vec<Self> {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         if axes >= 3 {

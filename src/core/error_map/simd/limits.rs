@@ -4,10 +4,10 @@ use super::lanes::{CosSin, Mask};
 use crate::reach::LimitCone;
 use pulp::Simd;
 
-/// Amount by which the cosine of half a joint's range is lowered, which widens the joint limits a little.
+/// Amount by which this check lowers the cosine of half a joint's range. The joint limits thus become a
+/// little wider.
 ///
-/// Because of this slack, every posture refused here is also refused by the scalar code, which judges single
-/// nodes.
+/// The scalar code, which judges single nodes, therefore also refuses every posture that this check refuses.
 const SLACK: f64 = 1e-9;
 
 /// Returns the lanes in which a joint surely lies outside its range. The joint is given by the cosine and

@@ -2,9 +2,9 @@
 //! exceeds a joint limit.
 //!
 //! Where rounding errors could grow, the formulas and their order are the same as in
-//! `reach::closed_form::planar`. Rounding errors could grow if the arm is nearly stretched, and for targets
-//! near the base axis. The joint limits are a little wider here. Therefore no branch that
-//! [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
+//! `reach::closed_form::planar`. Rounding errors could grow if the arm is nearly stretched, or if the target
+//! is near the base axis. This module widens the joint limits a little. It therefore finds every branch that
+//! [`Inverse::visit`](crate::reach::Inverse::visit) finds.
 
 use super::lanes::{CosSin, Lanes, Mask};
 use super::limits::{any_passed, is_passed};

@@ -22,7 +22,7 @@ pub(in crate::reach) struct Anthropomorphic {
     flip: f64,
     r1: f64,
     l1: f64,
-    /// Coordinate y of the wrist centre in frame 0 rotated by theta_1 about its z axis.
+    /// Coordinate y of the wrist centre in a rotated frame: frame 0 after the rotation by theta_1 about z.
     lateral: f64,
     links: TwoLinks,
     /// Cosine and sine of the angle from axis x of frame 2 to the wrist centre at theta_3 = 0.
@@ -34,7 +34,7 @@ pub(in crate::reach) struct Anthropomorphic {
 impl Anthropomorphic {
     /// Returns the closed form of the first three D-H rows; None if the joints have another geometry.
     ///
-    /// `tip` is the wrist centre, m, in frame 2 rotated by theta_3 about its z axis.
+    /// `tip` is the wrist centre, m, in a rotated frame: frame 2 after the rotation by theta_3 about z.
     pub fn new([a, b, c]: &[Link; 3], tip: &Vector3<f64>) -> Option<Self> {
         let turning = [a, b, c].iter().all(|l| l.kind == JointKind::Revolute);
         let forearm = tip.x.hypot(tip.y);

@@ -1,9 +1,9 @@
 //! Six-axis arms whose wrist has an offset: axes 4 and 5 intersect, but axis 6 does not pass through their
 //! intersection.
 //!
-//! The pose of the flange fixes axis 6. A value of theta_6 also determines axis 5, and the intersection P of
-//! axes 4 and 5. The first three joints move P to its place, with up to four solutions for most arms. For
-//! each solution, the angle between axes 4 and 5 must equal the D-H twist alpha_4. This condition is one
+//! The pose of the flange fixes axis 6. A value of theta_6 then determines axis 5, and the intersection P of
+//! axes 4 and 5. The first three joints must move P to this position; most arms have up to four solutions.
+//! For each solution, the angle between axes 4 and 5 must equal the D-H twist alpha_4. This condition is one
 //! equation for theta_6, and a scan finds its roots. A scan over one angle with closed forms for the other
 //! joints is the "1D search" of A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using
 //! subproblem decomposition" (2022).

@@ -21,7 +21,7 @@ pub(in crate::reach) struct PointForms {
     /// Cosine and sine of theta_1 and of theta_2 at joint coordinate 0.
     pub zero: [Angle; 2],
     pub l1: f64,
-    /// Coordinate x of the point in frame 1 rotated by theta_2 about its z axis.
+    /// Coordinate x of the point in a rotated frame: frame 1 after the rotation by theta_2 about z.
     pub u: Quadratic,
     /// Coordinate y of the point in the frame of `u`.
     pub v: Quadratic,
@@ -46,7 +46,8 @@ pub(in crate::reach) struct PointTarget {
     /// Q is the point where the common normal of axes 1 and 2 meets axis 1. l_1 is the D-H length of link 1.
     /// The value is used only if joint 1 is revolute.
     pub distance2: f64,
-    /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
+    /// Coordinate x of the target, m, in a rotated frame: frame 0 after the rotation by theta_1 about z.
+    /// The value is used only if joint 1 is prismatic, so theta_1 is fixed.
     pub x: f64,
     /// Coordinate y of the target in the frame of `x`, m.
     pub y: f64,

@@ -38,7 +38,7 @@ const IN_PLACE: f64 = 1e-9;
 /// Bit of a branch index at which the index of the spin begins.
 const SPIN_SHIFT: u32 = 6;
 
-/// Returns the index of the spin in a branch index of a planar arm with a roll axis.
+/// Returns the index of the spin that a branch index holds, for a planar arm with a roll axis.
 pub(in crate::reach) fn spin_of(branch: u64) -> usize {
     (branch >> SPIN_SHIFT) as usize
 }
@@ -54,9 +54,9 @@ pub struct PlanarArm {
     pub(in crate::reach) lateral: f64,
     /// Cosine and sine of theta_1 in the middle of the range of joint 1.
     middle_yaw: (f64, f64),
-    /// Coordinates x and y of the TCP in frame 3 rotated by theta_4.
+    /// Coordinates x and y of the TCP in a rotated frame: frame 3 after the rotation by theta_4 about z.
     tool: (f64, f64),
-    /// Components x and y of the tool axis in frame 3 rotated by theta_4.
+    /// Components x and y of the tool axis in the frame of `tool`.
     axis: (f64, f64),
     roll: Option<Roll>,
 }
@@ -164,7 +164,7 @@ impl PlanarArm {
     ///
     /// Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if the arm leans back
     /// over the base. Bits 2 to 5 hold the index of the attitude in the plane of the arm. A tilted tool has
-    /// two attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from
+    /// two attitudes for each elevation: it points along the azimuth theta_1 or opposite to it. The bits from
     /// 6 on hold the index of the spin.
     ///
     /// Only the first `spins` spins of `attitudes` are used. An arm without a roll axis ignores `spins`.

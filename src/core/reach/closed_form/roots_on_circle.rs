@@ -46,12 +46,13 @@ const MAX_SLOW_STEPS: usize = 3;
 pub(super) struct CircleValues {
     /// Value of each function; NaN if the function does not exist.
     pub functions: [f64; COUNT],
-    /// Two coordinates of a point for each function. The angle moves this point along a curve in space.
+    /// Two coordinates per function. Each function belongs to one point, which moves along a curve in space
+    /// as the angle changes.
     ///
-    /// The third coordinate of the point is the function value plus a constant. A large change of the two
-    /// coordinates shows that the point moves far between two angles.
+    /// The third coordinate of the point is the function value plus a constant. A large change of the first
+    /// two coordinates shows that the point moves far between two angles.
     pub aside: [(f64, f64); COUNT],
-    /// Measure of the distance to an angle at which a function exists; 0 if a function exists here.
+    /// Measure of how far all functions are from existing at this angle; 0 if a function exists.
     pub gap: f64,
 }
 
@@ -99,7 +100,7 @@ impl CircleRoots {
         &self.all[..self.count]
     }
 
-    /// Returns the least absolute value of a function in a coarse scan; infinite if the scan met no function.
+    /// Returns the least absolute value of a function in a coarse scan; infinite if no function exists there.
     pub fn least(&self) -> f64 {
         self.least
     }

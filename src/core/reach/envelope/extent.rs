@@ -1,19 +1,22 @@
 //! Extent of a working envelope: least and greatest distance from the base axis, least and greatest height.
 //!
 //! The lattice of the envelope gives sampled points. Compass searches from the best of these points find each
-//! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). A poll tests points in
-//! several directions, all at the polling distance. Each direction is rotated from the previous one by the
-//! golden angle. The directions never repeat, so some of them point even into a sharp tip of the envelope.
-//! The polling distance doubles after a gain, which is a poll that finds a better point.
+//! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482).
+//!
+//! A search consists of polls. A poll tests several points around the best point so far. All these points
+//! have the same distance from the best point: the polling distance. Their directions follow a sequence.
+//! Successive directions in the plane differ by the golden angle. Successive directions in space differ by
+//! this angle in azimuth. The directions never repeat, so some of them point even into a sharp tip of the
+//! envelope. A gain is a poll that finds a better point. The polling distance doubles after a gain.
 
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;
 
 /// Largest error of a refined length, m.
 const ACCURACY: f64 = 1e-4;
-/// Least polling distance, m.
+/// Polling distance, m, below which a compass search ends.
 const LEAST_STEP: f64 = ACCURACY / 10.0;
-/// Number of directions in which one poll tests a point.
+/// Number of points that one poll of a compass search tests, each in another direction.
 const DIRECTIONS: usize = 8;
 /// Greatest number of polls of one search; about a hundred are usual.
 const MAX_POLLS: usize = 1000;
@@ -40,7 +43,7 @@ pub struct EnvelopeExtent {
 pub(super) struct RefinementEffort {
     /// Number of sampled points from which searches start.
     pub starts: usize,
-    /// Number of polls without a gain after which the polling distance is halved.
+    /// Number of consecutive polls without a better point after which a search halves the polling distance.
     pub failures: usize,
 }
 

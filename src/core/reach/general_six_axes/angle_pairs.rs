@@ -15,8 +15,8 @@ use super::half_angle_equations::{HalfAngleRows, half_angle_terms, residual};
 use nalgebra::linalg::Schur;
 use nalgebra::{Complex, Matrix4, SMatrix, Vector3};
 
-/// Several solutions may share angle 2 if the ratio of the second-last pivot to the first pivot is below this
-/// value.
+/// Several solutions may share angle 2 if the ratio of the last pivot but one to the first pivot is below
+/// this value.
 const SMALL_PIVOT: f64 = 2e-3;
 
 /// Largest number of solutions with the same angle 2 that can be distinguished.

@@ -20,10 +20,12 @@ const COSINES: [f64; 7] = [
     0.0,
 ];
 
-/// Rounding error of a value of the polynomial, as a share of the sum of the absolute coefficients.
+/// Rounding error of a value of the polynomial. The error is a share of the sum of the absolute real and
+/// imaginary parts of all coefficients.
 const ROUNDING: f64 = 1e-16;
 
-/// The roots of a polynomial are not defined if the noise is above this share of the greatest coefficient.
+/// Threshold of the noise of a polynomial with defined roots. The threshold is a share of the greatest
+/// absolute real or imaginary part of a coefficient.
 const MAX_NOISE: f64 = 1e-10;
 
 /// Trigonometric polynomial: the real part of the sum of `c[k] exp(i k t)` for k from 0 to 8.
@@ -33,7 +35,7 @@ pub(super) struct CirclePolynomial {
     imaginary: [f64; DEGREE + 1],
     /// Estimated rounding error of a value of the polynomial.
     ///
-    /// The estimate is based on the harmonics of the samples above degree 8 and on the coefficients.
+    /// The estimate follows from two quantities: the harmonics above degree 8, and the coefficients.
     noise: f64,
     /// Upper bound of the absolute value of the sixth derivative.
     sixth_derivative: f64,

@@ -6,8 +6,7 @@
 /// Exchanges rows and columns so that the entry of greatest absolute value moves to row `k` and column `k`.
 ///
 /// The function searches the rows from `k` on, in the first `count` columns. The columns before `k` must be 0
-/// in these rows. Returns the former column of this entry, or `None` if all
-/// these entries are 0.
+/// in these rows. Returns the former column of the moved entry; `None` if all searched entries are 0.
 #[inline(always)]
 fn pivot<const ROWS: usize, const WIDTH: usize>(
     rows: &mut [[f64; WIDTH]; ROWS],

@@ -72,12 +72,14 @@ impl HalfAngleEquations {
         CirclePolynomial::through(|cos, sin| self.determinant(cos, sin))
     }
 
-    /// Returns the determinant as a polynomial of a new angle, which magnifies the vicinity of `middle`
-    /// (rad).
+    /// Returns the determinant, times a positive factor, as a polynomial of a new angle.
     ///
-    /// Let d be angle 2 minus `middle`. The tangent of half of d is `scale` times the tangent of half of the
-    /// new angle. The determinant is a form of degree 16 in cosine and sine of half of angle 2. So the
-    /// polynomial of the new angle has degree 8, too.
+    /// The new angle magnifies the vicinity of `middle` (rad). Let d be angle 2 minus `middle`. The tangent
+    /// of half of d is `scale` times the tangent of half of the new angle.
+    ///
+    /// The determinant is a form of degree 16 in cosine and sine of half of angle 2. The factor makes it a
+    /// form of degree 16 in cosine and sine of half of the new angle. The result is therefore a
+    /// trigonometric polynomial of degree 8 in the new angle.
     pub fn polynomial_near(&self, middle: f64, scale: f64) -> CirclePolynomial {
         let (s, c) = middle.sin_cos();
         CirclePolynomial::through(|cos, sin| {

@@ -21,7 +21,9 @@ impl LoopArrangement {
         Self { first: 5, is_reversed: true },
     ];
 
-    /// Returns all arrangements, in the order in which they are tried for a pose that is degenerate.
+    /// Returns all arrangements, in the order in which the solver tries them.
+    ///
+    /// The solver tries them if a pose is degenerate in the arrangement of the arm.
     pub fn all() -> impl Iterator<Item = Self> {
         [2, 3, 4, 5, 0, 1].into_iter().flat_map(|k| {
             [Self { first: k, is_reversed: false }, Self { first: (k + 4) % 6, is_reversed: true }]
@@ -30,8 +32,8 @@ impl LoopArrangement {
 
     /// Returns the constant links of the loop; link k follows the joint of place k.
     ///
-    /// The loop is closed by the inverse of the pose `target` of the flange, which becomes a part of the link
-    /// after joint 5. The product of all joint rotations and links is then the identity.
+    /// The inverse of the flange's pose `target` closes the loop and becomes a part of the link after joint 5
+    /// of the arm. The product of all joint rotations and links is then the identity.
     pub fn links(self, links: &[Pose; 6], target: &Pose) -> [Pose; 6] {
         let closing = links[5] * target.inverse();
         let link = |k: usize| if k % 6 == 5 { closing } else { links[k % 6] };

@@ -12,8 +12,9 @@ use crate::pose::Pose;
 /// In this case, only one equation for angle 0 is independent, and this equation has two solutions.
 const NEARLY_DEPENDENT: f64 = 1e-12;
 
-/// Axis of joint 5 of the loop, as a function of the angles 2, 3 and 4. The coordinates are in the frame
-/// after the rotation of joint 1.
+/// Inner side of the loop equations: axis of joint 5, as a function of the angles 2, 3 and 4.
+///
+/// The coordinates are in the frame after the rotation of joint 1.
 ///
 /// The field `terms` holds 3 x 9 coefficients. The first index stands for 1, cosine and sine of angle 2. The
 /// second index stands for the nine products of half-angle terms of the angles 3 and 4.
@@ -22,8 +23,9 @@ pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],
 }
 
-/// Axis of joint 5 of the loop, as a function of angle 0. The coordinates are in the frame before the
-/// rotation of joint 1.
+/// Outer side of the loop equations: axis of joint 5, as a function of angle 0.
+///
+/// The coordinates are in the frame before the rotation of joint 1.
 ///
 /// The axis follows from a path backwards through the loop: link 0, joint 0 and link 5.
 ///
@@ -34,7 +36,7 @@ pub(super) struct OuterSide {
 }
 
 impl InnerSide {
-    /// Returns the inner side of a loop, which depends on its links 1 to 4 only.
+    /// Returns the inner side of the loop equations. The inner side depends only on links 1 to 4.
     pub fn new(links: &[Pose; 6]) -> Self {
         let mut terms = [[LineCoordinates::axis(); 9]; 3];
         let fourth = LineCoordinates::axis().moved(&links[4]).half_angle_rotated();
@@ -50,7 +52,7 @@ impl InnerSide {
 }
 
 impl OuterSide {
-    /// Returns the outer side of a loop, which depends on its links 5 and 0 only.
+    /// Returns the outer side of the loop equations. The outer side depends only on links 5 and 0.
     pub fn new(links: &[Pose; 6]) -> Self {
         let [one, cos, mut sin] = LineCoordinates::axis().moved(&links[5].inverse()).rotated();
         sin.vectors = sin.vectors.map(|v| -v);

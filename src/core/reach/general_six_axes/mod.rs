@@ -70,7 +70,7 @@ const LEAST_FOUND: usize = TRIALS - 1;
 pub struct GeneralSixAxes {
     arm: ScaledArm,
     arrangement: LoopArrangement,
-    /// Inner side of the loop, which does not depend on the pose in this arrangement.
+    /// Inner side of the loop equations. In this arrangement, the inner side does not depend on the pose.
     inner: Box<InnerSide>,
 }
 
@@ -115,7 +115,9 @@ impl GeneralSixAxes {
         Ok(best)
     }
 
-    /// Returns the solver of an arm in one arrangement, whose inner side must not depend on the pose.
+    /// Returns the solver of an arm in one arrangement.
+    ///
+    /// In this arrangement, the inner side of the loop equations must not depend on the pose.
     fn arranged(arm: &ScaledArm, arrangement: LoopArrangement) -> Self {
         // The inner side depends on links 1 to 4, and the pose is a part of link 0 or link 5.
         let inner = InnerSide::new(&arrangement.links(&arm.links, &Pose::IDENTITY));

@@ -16,9 +16,9 @@ const MAX_SOLUTIONS: usize = 16;
 /// Two solutions count as the same if their joint angles differ by less than this value, rad.
 const SAME_JOINT: f64 = 1e-5;
 
-/// Joint difference, rad, between a start of Newton's method and its solution.
+/// Limit, rad, of the joint differences between a start of Newton's method and the solution found.
 ///
-/// If every joint differs by less than this value, the start may lie between two nearby solutions.
+/// If every joint difference is below this limit, the start may lie between two nearby solutions.
 const NEAR_START: f64 = 0.2;
 
 /// Ratio of two joint changes (rad) above which Newton's first step overshoots the solution.
@@ -73,7 +73,8 @@ pub(super) struct PoseProblem<'a> {
 impl<'a> PoseProblem<'a> {
     /// Returns the problem of a pose with lengths in units of the arm's length.
     ///
-    /// `inner` is the inner side of the loop in this arrangement, if it does not depend on the pose.
+    /// `inner` is the inner side of the loop equations in this arrangement. If `inner` is None, this
+    /// function computes the inner side from the pose.
     pub fn new(
         arm: &'a ScaledArm,
         arrangement: LoopArrangement,
@@ -133,7 +134,10 @@ impl<'a> PoseProblem<'a> {
         }
     }
 
-    /// Adds the solutions whose angle 2 is in an interval (rad), which is magnified to half of the circle.
+    /// Adds the solutions whose angle 2 is in or near an interval (rad).
+    ///
+    /// The interval is magnified to half of the circle if it is at most 2.8 rad wide. If it is wider, the
+    /// scale is limited ([`MAX_HALF_SPAN`]), and the interval covers more than half of the circle.
     fn solve_near(&self, from: f64, to: f64, all: &mut JointSolutions) {
         let middle = 0.5 * (from + to);
         let scale = (0.25 * (to - from)).min(MAX_HALF_SPAN).tan();

@@ -69,8 +69,8 @@ pub(super) fn normal_equations(
 /// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The second-order
 /// part is `-e . d2p / dq_i dq_j`. For i <= j, the second derivative of p is `w_i x J_j`. Here w_i is the
 /// rotation of the TCP per unit of joint i, and J_j is the translation of the TCP per unit of joint j. Only
-/// the lower triangle is changed, and `scale` (1/m) multiplies lengths. This part makes Newton's method
-/// converge quadratically even if the goal is out of reach.
+/// the lower triangle is changed, and `scale` (1/m) multiplies lengths. The second-order part makes Newton's
+/// method converge quadratically even if the goal is out of reach.
 pub(super) fn add_curvature(
     chain: &Chain,
     frames: &Frames,

@@ -9,8 +9,8 @@
 //! below it.
 //!
 //! The figure never decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
-//! So the sample at the next smaller ratios is a second lower bound, and the greater of both is returned. The
-//! sample at the next greater ratios is an upper bound.
+//! So the sample at the next smaller ratios is a second lower bound. The greater of the two lower bounds
+//! counts. The sample at the next greater ratios is an upper bound.
 
 use super::NormDistribution;
 use crate::cell::Quantity;
@@ -33,7 +33,7 @@ const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99]
 /// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
 pub type CovarianceEntries = [f64; 6];
 
-/// Lower bound of one quantity of the norm of a centred normal vector.
+/// Lower and upper bounds of one quantity of the norm of a centred normal vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CentredBound {
     quantity: Quantity,

@@ -21,7 +21,7 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Number of partial sums over the points, which the processor updates together; a divisor of
+/// Number of partial sums over the points. The processor updates these sums together. The number divides
 /// [`PointSet::count`].
 const LANES: usize = 4;
 

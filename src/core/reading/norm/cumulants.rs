@@ -5,10 +5,10 @@
 //! `six_k` and the effect `g_k` on `e`. Let `mu` be the mean and `S` the covariance of `e`. The parameter
 //! adds `gamma_k (g_k.t)^4 / 24 - six_k (g_k.t)^6 / 720` to the log of the characteristic function of `e` at
 //! `t`. The transform is a mean over normal vectors `w ~ N(0, I)`: `exp(-z |e|^2) = E_w exp(i sqrt(2z) w.e)`.
-//! The density of `w` times the characteristic function of the normal part of `e` is `L` times a normal
-//! density. This normal density has the covariance `A^-1 = (I + 2 z S)^-1` and the mean
-//! `i sqrt(2z) A^-1 mu`. With `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk` and `b_k = z g_k^T A^-1 mu`, the
-//! transform becomes
+//! Let p be the density of `w`, and f the characteristic function of the normal part of `e`. The product
+//! `p(w) f(sqrt(2z) w)` equals `L` times another normal density of `w`. This other density has the covariance
+//! `A^-1 = (I + 2 z S)^-1` and the mean `i sqrt(2z) A^-1 mu`. With `q_kl = z g_k^T A^-1 g_l`, `q_k = q_kk`
+//! and `b_k = z g_k^T A^-1 mu`, the transform becomes
 //!
 //! ```text
 //! L -> L [1 + t + t^2 / 2 + sum_k (-2 gamma_k b_k^2 q_k + 2/3 gamma_k b_k^4 - 1/6 six_k q_k^3)

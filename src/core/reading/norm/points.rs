@@ -1,9 +1,9 @@
 //! Weighted low-discrepancy points of [`super::ConditionalNorm`], in units of the standard deviations.
 //!
 //! The points are a Hammersley set (J. M. Hammersley, "Monte Carlo methods for solving multivariable
-//! problems", Ann. New York Acad. Sci. 86, 1960). Percentiles depend on the tails of the distributions.
-//! So each coordinate is drawn from a distribution with more points in the tails, and weighted by the ratio
-//! of the densities (importance sampling).
+//! problems", Ann. New York Acad. Sci. 86, 1960). Percentiles depend on the tails of the distributions. So
+//! the normal coordinates are drawn from a wider normal distribution, which has more points in the tails. The
+//! weight of such a coordinate is the ratio of the two densities (importance sampling).
 
 use crate::cell::Distribution;
 use crate::low_discrepancy::{primes, radical_inverse};
@@ -56,8 +56,8 @@ impl PointSet {
         Self { count, values, weights: unit.iter().map(|u| normal_weight(*u)).collect() }
     }
 
-    /// Returns the values of coordinate `k` of all points for a distribution of unit variance, and their
-    /// weights unless these are all 1.
+    /// Returns the values of coordinate `k` of all points for a distribution of unit variance, and the
+    /// weights of these values. The weights are None if all are 1.
     pub fn coordinate(&self, k: usize, distribution: Distribution) -> (&[f64], Option<&[f64]>) {
         let of = Distribution::ALL.iter().position(|d| *d == distribution).unwrap_or(0);
         let place = k * self.count..(k + 1) * self.count;

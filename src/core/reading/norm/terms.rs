@@ -19,8 +19,8 @@ use nalgebra::Vector6;
 /// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
 
-/// Largest sum of absolute excess kurtoses at which the remaining bounded parameters are merged. The
-/// dominating parameter does not count.
+/// Largest sum of absolute excess kurtoses at which all bounded parameters without their own term are merged.
+/// The sum excludes the dominating parameter and the parameters with their own term.
 ///
 /// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum.
 const MAX_REST_EXCESS: f64 = 0.008;
@@ -112,8 +112,9 @@ fn weight((share, alone): (f64, f64)) -> f64 {
 /// The terms are independent, and their sum has this covariance.
 ///
 /// The term along axis a has the variance v and the excess kurtosis `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`.
-/// Here parameter k has the excess kurtosis `gamma_k` and the effect `g_k`. So the squared length of the sum
-/// has the same variance as for the merged parameters.
+/// Here parameter k has the excess kurtosis `gamma_k` and the effect `g_k`. Let e be the part of the error
+/// that the merged parameters cause. Then the squared length of the sum of these terms has the same variance
+/// as `|e|^2`.
 fn principal_axes(
     m: usize,
     effects: &[Vector6<f64>],

@@ -69,8 +69,8 @@ impl CircleWalk {
         stop
     }
 
-    /// Calls `set` with the index of each of the first `n` generators and its sign in the sum `stop` of the
-    /// latest walk.
+    /// Calls `set` for each of the first `n` generators, with its index and its sign in the sum `stop`. This
+    /// sum must come from the latest walk.
     pub(super) fn signs_at(&self, stop: &WalkMaximum, mut set: impl FnMut(usize, f64), n: usize) {
         for (place, k) in self.order[..n].iter().enumerate() {
             let k = usize::from(*k) % MAX_GENERATORS;

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 const NAMES: [&str; 2] = ["Model", "Layout1"];
 
 impl DxfFile {
-    /// Writes the dictionary of the layouts and the layouts.
+    /// Writes the dictionary of the layouts, then the layouts themselves.
     pub(super) fn layouts(&self, out: &mut Codes) {
         let entries = [MODEL, PAPER].map(|space| (NAMES[space], self.spaces[space].layout));
         dictionary(out, LAYOUTS, ROOT, &entries);
