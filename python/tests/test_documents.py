@@ -96,7 +96,7 @@ def test_a_urdf_is_a_robot_whose_guesses_are_told(command: Run) -> None:
         robot = ss.robot(path)
     assert robot.sheet().to_dict() == command("robot", path, "--json") and robot.errors == ["guess"]
     messages = "\n".join(str(warning.message) for warning in told)
-    assert "angles plainly mean right angles" in messages and "preset medium" in messages
+    assert "angles are rounded right angles" in messages and "preset medium" in messages
     assert "base.stl" in messages and "--package own_arm=DIR" in messages
     with pytest.raises(ss.UnreadableError):
         ss.robot("no_such_arm.urdf")

@@ -108,7 +108,7 @@ pub fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Ex
     }
     let option = if plan.is_of_islands() { "--islands" } else { "--set" };
     output::talk(&format!(
-        "  help: start a worker with CELL and {option} as well: that worker writes the inputs again"
+        "  help: start a worker with --claim, CELL and {option}: this worker writes the inputs again"
     ));
     Err(Exit::BadInput)
 }

@@ -50,7 +50,7 @@ pub struct Loaded {
 
 /// Reads a cell file and every file that it refers to.
 ///
-/// `path` is relative to the folder of the cell file, so it is the bare file name.
+/// `path` is the bare name of the cell file, because `read` gets paths relative to the folder of this file.
 ///
 /// # Errors
 ///
@@ -62,8 +62,8 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 /// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
 /// # Errors
-/// Returns faults as [`load`] does. A fault of a setting states the flag of the setting instead of a file,
-/// and line 0.
+/// Returns faults as [`load`] does. If a setting causes a fault, the fault states the flag in place of a file,
+/// and the line is 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -97,7 +97,7 @@ pub struct LoadedRobot {
 
 /// Reads a robot file and every file that it refers to.
 ///
-/// `path` is relative to the folder of the robot file.
+/// `path` is the path of the robot file, as `read` gets it.
 ///
 /// # Errors
 ///

@@ -33,8 +33,8 @@ pub struct AllocationDocument {
     pub status: AllocationStatus,
     /// Cost of the tolerances in the error set.
     pub cost_before: f64,
-    /// Cost of the tolerances that the allocation gives; null if infeasible. A final reduction of all
-    /// tolerances can increase this cost.
+    /// Cost of the tolerances that the allocation gives; null if infeasible. If these tolerances exceed a
+    /// limit, all of them are reduced at the end, which increases the cost.
     pub cost: Option<f64>,
     /// Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to
     /// match the error model of the cell.
@@ -59,7 +59,8 @@ pub struct AllocationDocument {
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
     /// The error model of the cell confirms that the tolerances meet all limits. `duality_gap` compares their
-    /// cost with its lower bound. A final reduction of all tolerances can increase this gap.
+    /// cost with its lower bound. If all tolerances were reduced at the end to meet a limit, this gap is
+    /// larger.
     Cheapest,
     /// The error model of the cell gives a figure above its limit, even after a final reduction of all
     /// tolerances.
@@ -78,7 +79,7 @@ pub struct UniformEntry {
     pub saving_percent: f64,
 }
 
-/// Law of the cost of a tolerance.
+/// Kind of function that gives the cost of a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CostKind {
@@ -162,7 +163,8 @@ pub struct BoundEntry {
     pub parameter: String,
     pub unit: ParameterUnit,
     pub tightest: f64,
-    /// Figure if this parameter had no error, in the unit of the limit.
+    /// Figure that results if this parameter has no error and all others have their tightest tolerances. The
+    /// unit is the unit of the limit.
     pub without: f64,
 }
 
@@ -170,7 +172,7 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess of a figure over its limit for the tolerances of the first round, percent. A round
+    /// Largest excess of a figure over its limit, percent, at the tolerances of the first round. A round
     /// solves the problem with linear figures, then judges the tolerances. Negative if all figures of the
     /// first round are below their limits.
     pub missed_percent: f64,
@@ -179,7 +181,8 @@ pub struct JudgementEntry {
     pub rounds: usize,
     /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,
-    /// Largest excess over a limit for the final tolerances, percent; negative if all limits are met.
+    /// Largest excess of a figure over its limit, percent, at the final tolerances. Negative if all figures
+    /// are below their limits.
     pub excess_percent: f64,
     /// Number of cone programs, which are convex optimization problems, solved in the round that gave the
     /// solution.

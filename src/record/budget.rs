@@ -47,13 +47,14 @@ pub struct OperationBudget {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
-    /// an error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and
-    /// are not tolerances.
+    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors of the
+    /// signed sample compensate each other and are not tolerances. This is assumed if an error dr or dl of
+    /// the sample exceeds the reach of the arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
-    /// has no limit, or if the quantity is the yield.
+    /// Limit minus the error under the reading; negative if the error exceeds the limit. If a certificate is
+    /// required, the error at the spot is its upper bound over all misplacements. Null if the operation has
+    /// no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,

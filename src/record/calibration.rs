@@ -139,8 +139,8 @@ impl AccuracyEntry {
 }
 
 impl CalibratedFile {
-    /// Makes the entry of a session of the fit. Returns None if the session is empty or its frames are
-    /// undetermined.
+    /// Makes the entry of a session that was part of the fit. Returns None if the session is empty or does
+    /// not determine base and reflectors.
     pub fn new(chain: &Chain, session: &MeasuringSession, fitted: &FittedSession) -> Option<Self> {
         Some(Self {
             file: session.name.clone(),
@@ -153,8 +153,8 @@ impl CalibratedFile {
 }
 
 impl TestedFile {
-    /// Makes the entry of a session that was not part of the fit. Returns None if the session is empty or its
-    /// frames are undetermined.
+    /// Makes the entry of a session that was not part of the fit. Returns None if the session is empty or
+    /// does not determine base and reflectors.
     pub fn new(chain: &Chain, session: &MeasuringSession, calibration: &Calibration) -> Option<Self> {
         let (fitted, coverage_95) = calibration.tested(&session.measured)?;
         Some(Self {

@@ -10,16 +10,15 @@ use serde::{Deserialize, Serialize};
 /// Share of sampled arms that stay within the limits of the operations at their spots (Monte Carlo, nonlinear
 /// model).
 ///
-/// An operation at every node is judged at its worst node. An operation without a limit counts as within its
-/// limit. The intervals are Wilson score intervals for 95 %.
+/// If an operation must keep its limit at every node, the operation is judged at its worst node. An operation
+/// without a limit counts as within its limit. The intervals are Wilson score intervals for 95 %.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CellYieldEntry {
     pub samples: usize,
     /// Share of arms that stay within the limits of all operations.
     pub together: EstimateEntry,
-    /// Share of arms that stay within the limit of each operation alone; only operations with a limit are
-    /// listed.
+    /// Share of arms that stay within the limit of one operation, for each operation with a limit.
     pub operations: ByName<EstimateEntry>,
 }
 

@@ -23,8 +23,8 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of the robot's solids, with a reason if the two solids may touch. Empty if self-collision is not
-    /// checked.
+    /// Pairs of the robot's solids, with a reason if the two solids may touch. If self-collision is not
+    /// checked, the list holds only pairs with the pedestal.
     pub self_collision: Vec<OwnPairEntry>,
     /// Entries that state how a search treats each operation. Empty if the cell is not valid.
     #[serde(default)]
@@ -71,8 +71,8 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of robot solids except pairs of parts that are held in different operations.
-    /// Returns no pair if self-collision is not checked.
+    /// Returns every pair of robot solids that are present in the same operation. If self-collision is not
+    /// checked, only pairs with the pedestal are returned.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

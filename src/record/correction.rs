@@ -23,7 +23,7 @@ pub struct CorrectionDocument {
     /// Name of the error set.
     pub errors: String,
     pub registration: Registration,
-    /// Joints in the order of every list of joint coordinates.
+    /// Joints of the robot. Every list of joint coordinates has the order of this list.
     pub joints: Vec<CommandedJoint>,
     pub targets: Vec<CorrectionEntry>,
 }

@@ -25,7 +25,7 @@ pub struct ErrorsDocument {
     /// Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
     /// error set of the robot.
     pub guess: bool,
-    /// Origin of the numbers in words, as in the TOML table that `errors --toml` prints.
+    /// Description of the origin of the tolerances, as in the TOML table that `errors --toml` prints.
     pub source: String,
     pub origin: ErrorOrigin,
     /// Name of the preset, or of the error set of the robot.
@@ -36,16 +36,16 @@ pub struct ErrorsDocument {
     pub wanted_ap_mm: Option<f64>,
     /// Pose repeatability RP that the data sheet states; null if none is stated.
     pub wanted_rp_mm: Option<f64>,
-    /// Factor by which the tolerances of the origin are multiplied.
+    /// Factor that multiplies the tolerances of the preset or of the robot's error set.
     pub scale: f64,
-    /// Number of predictions that the search for the factor needed.
+    /// Number of predictions of the accuracy that the computation of `scale` needed.
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
     /// Predicted pose accuracy AP from the printed tolerances, which include the random errors.
     pub ap_of_set: AccuracyQuantiles,
-    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a
-    /// prismatic joint. Null without a repeatability.
+    /// Standard deviations of the joint coordinates: degrees, or mm for a prismatic joint. Together they
+    /// cause the repeatability `wanted_rp_mm`. Null if `wanted_rp_mm` is null.
     pub joint_scatter: Option<Vec<f64>>,
     pub cube: TestCubeEntry,
     /// Tolerances that are not 0.
@@ -66,13 +66,14 @@ pub enum ErrorOrigin {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BaseChoice {
-    /// The base frame is fitted to each robot of the series, at sampled postures between the joint limits.
+    /// The base frame is fitted to each simulated robot, at sampled postures between the joint limits.
     Fitted,
     /// The base frame is the nominal base frame.
     Nominal,
 }
 
-/// Pose accuracy AP over the robots of a series, mm. The accuracy of one robot is the mean over five poses.
+/// Quantiles of the pose accuracy AP of simulated robots, mm. The accuracy of one robot is the mean over five
+/// poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyQuantiles {
@@ -81,7 +82,7 @@ pub struct AccuracyQuantiles {
     pub p5_mm: f64,
     /// 95th percentile: 95 % of the robots are better.
     pub p95_mm: f64,
-    /// Median over the robots of the pose accuracy AP at the worst of the five poses.
+    /// Median, over all robots, of each robot's AP at its worst pose.
     pub worst_pose_mm: f64,
 }
 
@@ -95,7 +96,7 @@ pub struct TestCubeEntry {
     pub centre_mm: [f64; 3],
     /// Elevation of the tool axis.
     pub bend_deg: f64,
-    /// Spin of the tool; null if the arm cannot keep one spin at all poses.
+    /// Spin of the tool, equal at all five poses; null if the spin is free.
     pub spin_deg: Option<f64>,
     /// The poses P1 to P5.
     pub poses: Vec<TestPoseEntry>,
@@ -108,7 +109,7 @@ pub struct TestPoseEntry {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Median over the robots of the accuracy at this pose.
+    /// Median, over all robots, of the accuracy at this pose.
     pub ap_mm: f64,
 }
 
@@ -119,7 +120,7 @@ pub struct SpreadEntry {
     pub name: String,
     /// Half width of the tolerance, in `unit`.
     pub plus_minus: f64,
-    /// Unit of the half width: mm or deg.
+    /// Unit of the half width, for example mm or deg.
     pub unit: String,
     pub distribution: String,
     /// Half width as a number of standard deviations; null unless the distribution is normal.
@@ -172,7 +173,7 @@ pub struct GuessQuestion {
 
 impl ErrorsDocument {
     /// Makes the document of a guess with the name and the source of its error set. `total` is the pose
-    /// accuracy that the tolerances give, including the random errors.
+    /// accuracy that constant and random errors together give.
     pub fn new(
         robot: &Robot,
         question: &GuessQuestion,

@@ -56,9 +56,9 @@ pub struct ExplanationDocument {
     pub convention: String,
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// If the robot file has modified rows, row k takes `l_mm` and `alpha_deg` from row k + 1 of the file.
-    /// Frame 0 then contains both values of row 1 of the file. In the last row of this table, both values are
-    /// then 0.
+    /// If the robot file uses the modified convention, row k takes `l_mm` and `alpha_deg` from row k + 1 of
+    /// the file. Frame 0 then contains both values of row 1 of the file. In the last row of this table, both
+    /// values are then 0.
     pub dh: Vec<DhEntry>,
     /// Frames of the links and of the TCP, in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -71,18 +71,19 @@ pub struct ExplanationDocument {
     pub second_order: DisplacementEntry,
     /// Error of the TCP by the nonlinear model, in the world frame.
     pub nonlinear: DisplacementEntry,
-    /// Nonlinear error of the robot alone, in the world frame. The effects of registration, of the pick of
-    /// the part and of equipment errors are not subtracted.
+    /// Nonlinear error of the robot alone, in the world frame. The effects of registration, of errors when
+    /// the robot picks the part, and of equipment errors are not subtracted.
     pub robot_alone_nonlinear: DisplacementEntry,
     /// Displacement that is subtracted from the nonlinear error of the robot alone, in the world frame. The
-    /// registration, the pick of the part and errors of the equipment cause this displacement.
+    /// registration, errors when the robot picks the part, and errors of the equipment cause this
+    /// displacement.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if an
-    /// error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are
-    /// not tolerances.
+    /// Sign of every parameter at the worst corner of the tolerance box. Null if the errors of the signed
+    /// sample compensate each other and are not tolerances. This is assumed if an error dr or dl of the
+    /// sample exceeds the reach of the arm.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
@@ -139,8 +140,8 @@ pub struct FrameEntry {
     pub z_axis: [f64; 3],
 }
 
-/// Effect of one parameter. Motions, lever and effect are in the base frame. The linear term is in the world
-/// frame.
+/// Effect of one parameter. Motions, lever and effect are in the base frame. The terms `linear_term_mm` and
+/// `linear_term_deg` of the linear model are in the world frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {
@@ -153,8 +154,8 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that is subtracted because of registration and the pick of the part, in the base
-    /// frame.
+    /// Displacement that the registration and the picking of the part remove from `effect_base_mm_per_unit`,
+    /// in the base frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],

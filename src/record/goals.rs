@@ -122,7 +122,7 @@ pub fn key(goal: Goal) -> &'static str {
     }
 }
 
-/// Describes the Pareto front or the shortlist of layouts.
+/// Returns a description of the Pareto front or of the shortlist of layouts.
 pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     let count = record.alternatives.len();
     match goals.is_empty() {
@@ -134,7 +134,8 @@ pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     }
 }
 
-/// Returns the file name of an alternative layout from its rank (from 0) among `count` layouts.
+/// Returns the file name of the alternative layout with the rank `place`, counted from 0, among `count`
+/// layouts.
 pub fn file_name(place: usize, count: usize) -> String {
     let digits = count.to_string().len().max(2);
     format!("layout-{:0digits$}.toml", place + 1)

@@ -20,7 +20,7 @@ pub struct ManifestDocument {
     /// Command line that makes the folder, in a form for human readers. Programs read `settings` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Vec<String>>,
-    /// Name of the plan file, in the manifest of a sweep. Such a manifest has no `command`.
+    /// Name of the plan file of a sweep; absent in other manifests. A manifest with a plan has no `command`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

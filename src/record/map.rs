@@ -41,16 +41,17 @@ pub struct MapDocument<'a> {
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
-    /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance.
+    /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance that the
+    /// cell requires.
     pub overlaps: Vec<String>,
-    /// Share of arms that stay within the limits of all operations, and of each operation alone. Left out
-    /// unless the reading is statistical, every operation has a spot, and an operation has a limit.
+    /// Share of arms that stay within the limits of all operations, and of each operation alone. Present if
+    /// the reading is statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
     /// Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
-    /// reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
+    /// reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is true.
     pub certified: Option<CertifiedEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
@@ -131,9 +132,9 @@ pub struct OperationMapEntry<'a> {
     pub monte_carlo: Option<MonteCarloEntry>,
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
-    /// Spot: the usable node with the least value; null if no node is usable. For an operation at every node,
-    /// the spot is the node with the greatest value. For such an operation, the spot is null if any node is
-    /// unusable.
+    /// Spot: the usable node with the least value; null if no node is usable. For an operation that happens
+    /// at every node, the spot is the node with the greatest value. For such an operation, the spot is null
+    /// if any node is unusable.
     pub best: Option<MapNode>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
@@ -295,8 +296,8 @@ impl GuardEntry {
     }
 }
 
-/// Monte Carlo check of the first-order figures at a spot, by the nonlinear model. RMS, mean and percentiles
-/// are in the unit of the sense.
+/// Check of the first-order figures at a spot with Monte Carlo samples of the nonlinear model. RMS, mean and
+/// percentiles are in the unit of the sense.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MonteCarloEntry {
@@ -310,8 +311,8 @@ pub struct MonteCarloEntry {
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
-    /// replace the first-order figures of the spot. The value and margin of the operation are then also
-    /// computed from the samples. A robust value, or a value that combines several nodes, stays first-order.
+    /// replace the first-order figures, also in the value and margin of the operation. The value remains
+    /// first-order if the search is robust, or if the value combines several nodes.
     pub first_order_holds: Option<bool>,
 }
 

@@ -11,15 +11,16 @@ use crate::verification::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors
-/// are fitted with the nominal arm. Vectors are in the base frame of the robot, mm.
+/// Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors are
+/// fitted so that the nominal arm matches the measured positions best. Vectors are in the base frame of the
+/// robot, mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
     pub file: String,
     /// Statistics of the measured errors of the nominal robot.
     pub measured: AccuracyEntry,
-    /// Statistics of the predicted sizes of the errors of the nominal robot.
+    /// Statistics of the predicted error sizes of the nominal robot.
     pub predicted: AccuracyEntry,
     /// Whether the predicted sizes include the random part of the errors. Sizes that include this part are
     /// root mean squares.
@@ -32,7 +33,8 @@ pub struct ComparedFile {
     /// of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    /// misfit of a calibration is an example of such errors. Null unless the errors are measured.
+    /// misfit of a calibration is an example of such errors. Null unless the error set of the robot comes
+    /// from measurements.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
     /// measured sizes are equal.
@@ -103,7 +105,7 @@ pub struct MeasuredSpotEntry {
     pub predicted_mm: f64,
 }
 
-/// Pose accuracy AP and pose repeatability RP of positions as in ISO 9283.
+/// Pose accuracy AP and pose repeatability RP of positions, as ISO 9283 defines them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatsEntry {

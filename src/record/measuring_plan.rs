@@ -57,7 +57,8 @@ pub struct ExpectedEntry {
     pub before_mm: f64,
     /// Error after the planned poses are measured.
     pub after_mm: f64,
-    /// Error after the same number of poses that only fill the joint space evenly.
+    /// Error after equally many poses that are spread evenly over the joint space instead of chosen by the
+    /// plan.
     pub evenly_spread_mm: f64,
     /// Assumed standard deviation per axis of the unexplained error that nearby poses share.
     pub shared_misfit_mm: f64,
@@ -71,15 +72,16 @@ pub struct ExpectedEntry {
 pub struct TriedEntry {
     /// Number of postures among which the plan chose.
     pub candidates: usize,
-    /// Number of postures at which the robot touches an object or is nearer to an object than the clearance.
+    /// Number of postures at which the robot touches an object or is nearer to an object than the clearance
+    /// that the cell requires.
     pub colliding: usize,
     /// Number of collision-free postures at which the tracker does not see the reflector.
     pub hidden: usize,
 }
 
 impl ExpectedEntry {
-    /// Returns the entry for expected errors, m: without a measurement, after the planned poses, and after
-    /// evenly spread poses.
+    /// Returns the entry for the expected errors (m) without a measurement, after the planned poses, and
+    /// after evenly spread poses.
     pub fn new(nodes: usize, [before, after, evenly]: [f64; 3], error: UnmodelledError) -> Self {
         Self {
             nodes,

@@ -60,7 +60,8 @@ pub struct RobustnessEntry {
     /// Placement tolerances (half widths) of the robot base and of the equipment on which the operation
     /// depends. Empty if none of these placements has a tolerance.
     pub tolerance: MovesByName,
-    /// Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`.
+    /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of all
+    /// bodies, also of bodies that `tolerance` leaves out.
     pub corners: usize,
     /// Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
     /// operation cannot be done at any corner.

@@ -4,7 +4,7 @@
 //! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in mm and
 //! angles in degrees, rounded to 1e-9. Vectors are in the world frame, unless the field names another frame.
 //! Joint coordinates follow the convention of the robot file. A missing value is null; only fields that the
-//! schema does not require are left out. Reading a document refuses unknown fields.
+//! schema does not require are left out. A document with unknown fields is refused when it is read.
 
 mod allocation;
 mod budget;

@@ -14,7 +14,7 @@ pub enum ParameterUnit {
     Length,
     #[serde(rename = "deg")]
     Angle,
-    /// Deflection of a joint per horizontal lever of a link, degrees per m.
+    /// Deflection of a joint, degrees per m of the horizontal lever of a link.
     #[serde(rename = "deg/m")]
     AnglePerLever,
     /// Deflection of a joint per torque, degrees per N m.

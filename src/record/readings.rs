@@ -56,10 +56,11 @@ pub struct ReadingEntry {
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value under `reading` and `registration` at the posture that the signed reading chooses with
+    /// Value under `reading` at the posture that the signed reading chooses. Both readings use
     /// `registration`.
     pub at_signed_choice: Option<f64>,
-    /// Value under `reading` and `registration` at the posture that `reading` chooses without registration.
+    /// Value at the posture that `reading` chooses with the registration `none`. The value itself uses
+    /// `registration`.
     pub at_unregistered_choice: Option<f64>,
     /// Regret of choosing the spot by the signed sample: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,

@@ -34,7 +34,7 @@ pub struct RegionEntry {
     /// Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate
     /// the piece.
     pub room_deg: Option<f64>,
-    /// Reason that limits `room_mm`, or `room_deg` if the search does not displace the piece in plan.
+    /// Reason why `room_mm` is not larger. If `room_mm` is null, the reason applies to `room_deg`.
     pub ends_with: String,
 }
 

@@ -28,11 +28,11 @@ pub struct RemediesDocument {
     pub quantity: String,
     /// Unit of the values.
     pub unit: Unit,
-    /// Seed of both searches.
+    /// Seed of the two searches, one without calibration and one after calibration.
     pub seed: u64,
-    /// Number of layouts that both searches evaluated.
+    /// Total number of layouts that the two searches evaluated.
     pub evaluations: u64,
-    /// One entry for each remedy: none, calibrate, move, both.
+    /// One entry for each remedy: as-drawn, calibrated, moved, both.
     pub remedies: Vec<RemedyEntry>,
     /// Advised remedies, each of which is sufficient without the others. Empty if no remedy gives a feasible
     /// layout within every limit.
@@ -139,7 +139,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         ([Remedy::Calibrated, ..], false) => {
             format!(
                 "Calibrate: calibrating changes the error {}. Moving the equipment as well would lower the \
-                 error by less than 1 % more.",
+                 error by at most another 1 % of the error as drawn.",
                 to(Remedy::Calibrated)
             )
         }
@@ -151,7 +151,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         }
         ([Remedy::Moved, ..], false) => format!(
             "Move the equipment: moving changes the error {}. Calibrating as well would lower the error by \
-             less than 1 % more.",
+             at most another 1 % of the error as drawn.",
             to(Remedy::Moved)
         ),
         ([Remedy::Both, ..], _) => format!(

@@ -76,17 +76,18 @@ pub struct SearchResult {
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
     /// Whether the best layout certainly works at every misplacement within its placement tolerances: true,
-    /// or the reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
+    /// or the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is
+    /// true.
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
-    /// the search chooses one with nearly the most room. Null if no layout is feasible and within every
-    /// limit.
+    /// the search chooses one whose room is nearly the largest. Null if no layout is feasible and within
+    /// every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// One region for each piece that the search places. The piece may stand anywhere in its region.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. The
+    /// Rotation of all equipment whose x, y and yaw have ranges, as one body about the base axis. The
     /// objective grows by at most `indifference_percent`. Null if the layout is not feasible or misses a
     /// limit. Also null if x, y or yaw of the equipment under an operation has no range.
     #[serde(default)]
@@ -150,7 +151,7 @@ pub enum SearchStatus {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProofEntry {
-    /// Whether the bound covers all operations, some operations or none, or proves that no layout is
+    /// Operations that the bound covers: all, some or none. The value `infeasible` means that no layout is
     /// feasible.
     pub covers: Covers,
     pub operations: Vec<ProvenOperation>,
@@ -205,8 +206,7 @@ pub struct AlternativeEntry {
 }
 
 impl SearchResult {
-    /// Makes the result of a search from two assessed layouts: `start`, the layout before the search, and
-    /// `best`.
+    /// Makes the result of a search. `start` is the layout before the search, and `best` is the best layout.
     pub fn new(
         record: &SearchRecord,
         proof: &Proof,
@@ -297,7 +297,7 @@ impl SearchResult {
 }
 
 impl IslandEntry {
-    /// Makes one entry per island of a search of this cell.
+    /// Makes one entry for each island of a search. `cell` determines the unit of the objective.
     pub fn all(cell: &Cell, islands: &[Island]) -> Vec<Self> {
         let best = best_island(islands);
         let entry = |(k, island): (usize, &Island)| Self {

@@ -29,7 +29,7 @@ pub struct ResolvedSettings {
     pub ideal: bool,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,
-    /// Relative gap between the best layout and the proven lower bound at which a search ends.
+    /// Relative gap to the proven lower bound. The search ends when the best layout reaches this gap.
     pub gap: Option<f64>,
     /// Number of evaluations without a better layout after which a search ends.
     pub stagnation: Option<u64>,

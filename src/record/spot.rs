@@ -59,8 +59,8 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
-    /// Largest allowed value of the operation. If the objective is a tolerance cost, this is the cost of the
-    /// tightest tolerances.
+    /// Largest allowed value of the operation. If the objective is a tolerance cost, the limit is the cost of
+    /// the tightest tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` replaces the value.

@@ -34,7 +34,7 @@ pub struct SweepPlan {
     pub search: bool,
     pub sets: Vec<Choices>,
     /// Flags of `search --islands`, which apply to every island. The seeds of the islands are in `sets`.
-    /// Absent in the plan of a sweep.
+    /// Present only if the combinations are the islands of one search.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub island_flags: Option<Vec<Setting>>,
     /// Seed of every combination; null means the seed of the cell.
@@ -134,8 +134,9 @@ pub struct SweepRow {
     pub layout: ByName<PlacementEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Hashes of the settings file and of the cell file with fixed layout; empty if the layout is not
-    /// feasible.
+    /// Files of the combination with their hashes: the cell file with the layout fixed, and the file with the
+    /// settings. Empty if the layout is not feasible. For an island of a search, the only file is
+    /// NNNN.island.json.
     pub files: Vec<HashedFile>,
     /// SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
     /// exists only in the written file.
@@ -161,8 +162,8 @@ pub struct SweepSpot {
 }
 
 impl SweepRow {
-    /// Makes the row of a combination from the assessment of its resulting layout. `record` is the record of
-    /// the search; None if no search ran.
+    /// Makes the row of a combination. `a` is the assessment of the layout that the combination gives.
+    /// `record` is the record of the search; None if no search ran.
     pub fn new(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&SearchRecord>) -> Self {
         let paths = sets.iter().map(|s| s.path.clone());
         let typed = combination(sets, index).into_iter();

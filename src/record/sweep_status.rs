@@ -74,8 +74,8 @@ impl SweepStatus {
         (finished > 0).then(|| seconds / finished as f64)
     }
 
-    /// Estimates the time left from the mean time of a finished combination and the number of running
-    /// combinations.
+    /// Adds the estimated time until the last combination is done. The estimate uses the mean time of a
+    /// finished combination and the number of running combinations.
     pub fn with_estimate(mut self) -> Self {
         let spent: f64 = self.running.iter().map(|running| running.seconds).sum();
         if let Some(mean) = self.mean_seconds().filter(|_| !self.running.is_empty()) {

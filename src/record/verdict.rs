@@ -47,7 +47,7 @@ pub struct VerdictDocument {
     #[serde(default)]
     pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
-    /// Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. Null if the
+    /// Rotation of all equipment whose x, y and yaw have ranges, as one body about the base axis. Null if the
     /// layout is not feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation
     /// has no range.
     #[serde(default)]
@@ -110,8 +110,8 @@ pub enum FactMood {
 #[serde(deny_unknown_fields)]
 pub struct RunnerUpEntry {
     pub kind: RunnerUpKind,
-    /// Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
-    /// operation moves to the node and all other operations keep their spots.
+    /// Objective of the runner-up, in the `unit` of the verdict. If the runner-up is a node, one operation
+    /// moves to this node, and all other operations keep their spots.
     pub value: f64,
     pub text: String,
     pub note: String,
@@ -139,7 +139,7 @@ pub struct VerdictPlacement {
     pub room_mm: Option<f64>,
     /// Largest angle by which the piece may be rotated in both directions; null if the angle is not known.
     pub room_deg: Option<f64>,
-    /// Reason that limits the room; null if the room is not known.
+    /// Reason why the room is not larger; null if the room is not known.
     pub ends_with: Option<String>,
 }
 

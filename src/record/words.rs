@@ -12,7 +12,8 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the name of the figure that the reading gives, regardless of the figure that a search minimizes.
+/// Returns the name of the figure that the reading gives, such as "worst case". The name does not depend on
+/// the objective of a search.
 pub fn reading_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
@@ -25,8 +26,9 @@ pub fn reading_word(cell: &Cell) -> &'static str {
 /// Returns the name of the objective: [`value_word`], or a phrase such as "sum of the operations' worst
 /// cases".
 ///
-/// The phrase is used if a worst-case or statistical reading combines several operations. The figures of
-/// the operations may then belong to different arms. There may be no single arm with the combined value.
+/// The phrase is used if the objective combines several operations in a worst-case or statistical reading.
+/// The figures of the operations may then belong to different arms. There may be no single arm with the
+/// combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;
@@ -78,8 +80,8 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         ));
         if cell.errors_compensate() {
             said.push(format!(
-                "the errors of {} compensate each other in one calibrated arm; read as tolerances, they \
-                exceed the length of the arm, so worst case and statistics do not describe a real arm",
+                "the errors of {} compensate each other in one calibrated arm; one of these errors alone \
+                exceeds the reach of the arm, so worst case and statistics do not describe a real arm",
                 cell.error_set().name()
             ));
         }
@@ -89,7 +91,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         (!pick.over.needs_every_node()).then(|| {
             let [place, pick] = [&place.name, &pick.name].map(|name| shown(name));
             format!(
-                "{place} is relative to {pick}. The spot of {pick} is chosen first, so that the error of {pick} is least. Choosing both spots together may lower the objective, but not below the objective with an error of 0 at {place}"
+                "{place} is relative to {pick}. The spot of {pick} is chosen first, so that the error of {pick} is least. If both spots were chosen together, the objective could be lower, but not lower than with an error of 0 at {place}"
             )
         })
     }));

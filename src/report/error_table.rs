@@ -32,9 +32,10 @@ enum FilePlace {
     Compliance(usize),
 }
 
-/// Returns the table `[errors.NAME]` with the tolerances `spreads`, in the order of [`Parameter::of_robot`].
+/// Returns the table `[errors.NAME]` with the tolerances `spreads`. These tolerances are in the order of
+/// [`Parameter::of_robot`].
 ///
-/// Row numbers refer to the rows of the robot file.
+/// Joint and link numbers in the table start at 1 and refer to the rows of the robot file.
 pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> String {
     let axes = robot.axes();
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas: Spread::SIGMAS };

@@ -327,9 +327,12 @@ fn hostile_drawings_are_refused_at_their_line() {
         .collect();
     let cases = [
         (drawing(6, "", &square).replace("EOF\n", ""), "cut off"),
-        (drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 1 10 nan 20 0"), "group 10 needs a number, not `nan`"),
-        (drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 1 10 1e300 20 0"), "group 10 needs a number"),
-        (drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 x 10 1 20 0"), "group 70 needs a whole number"),
+        (
+            drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 1 10 nan 20 0"),
+            "group code 10 must be a number, not `nan`",
+        ),
+        (drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 1 10 1e300 20 0"), "group code 10 must be a number"),
+        (drawing(6, "", "0 LWPOLYLINE 8 WALLS 70 x 10 1 20 0"), "group code 70 must be a whole number"),
         (drawing(6, "", "WALLS"), "a group code is a whole number, not `WALLS`"),
         (drawing(6, &nest(3, 1).replace("8 0 2 B3", "8 0 2 B1"), insert), "contains itself"),
         (drawing(6, &nest(20, 1), insert), "nested more than 16 deep"),

@@ -55,8 +55,8 @@ pub struct CompareArguments {
     /// Print the comparison as JSON on stdout
     #[arg(long)]
     pub json: bool,
-    /// Compare four variants of one cell: as drawn, with the measured robot errors compensated, with the
-    /// best layout of a search, and with both remedies
+    /// Compare four variants of one cell: as drawn, with compensation of the measured robot errors, with the
+    /// best layout of a search, and with both
     #[arg(long, conflicts_with = "out")]
     pub calibrated: bool,
     #[command(flatten)]

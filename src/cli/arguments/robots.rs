@@ -50,7 +50,7 @@ pub struct EnvelopeArguments {
     pub json: bool,
     #[command(flatten)]
     pub packages: PackageFolders,
-    /// Write section and plan as a picture
+    /// Write the section and the plan of the envelope as a picture
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
 }

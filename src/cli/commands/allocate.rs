@@ -88,7 +88,7 @@ fn refused(why: NoAllocation) -> Exit {
             Exit::AnswerIsNo
         }
         NoAllocation::NotSolved | NoAllocation::Infeasible(_) => {
-            output::error("the cone program that allocates the tolerances was not solved");
+            output::error("the optimization of the tolerances (a cone program) has failed");
             output::talk("  help: narrow the ranges of the tolerances in the costs of the error set");
             Exit::AnswerIsNo
         }

@@ -44,7 +44,7 @@ pub fn session(
         warn_of_suspects(&name, &suspect);
         output::talk(&format!(
             "  help: check the robot, the columns and the joint zeros; every unit, sign, order, zero and coupling \
-             of the joints was tried, and the smallest rms distance is {rms}"
+             of the joints was tried, and the smallest rms distance of measured from nominal positions is {rms}"
         ));
         return Err(Exit::BadInput);
     };
@@ -209,7 +209,8 @@ fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> V
     }
     if !said.is_empty() {
         said.push(format!(
-            "with these assumptions the rms distance is {}; without them it is {}",
+            "with these assumptions, the rms distance of measured from nominal positions is {}; without them, it \
+             is {}",
             in_mm(reading.rms),
             if reading.plain_rms.is_finite() { in_mm(reading.plain_rms) } else { "undetermined".into() }
         ));

@@ -21,7 +21,7 @@ use std::time::Instant;
 /// Runs `sweetspot compare --calibrated`.
 pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     let [file] = &a.layouts[..] else {
-        output::error("--calibrated compares the remedies for one cell");
+        output::error("--calibrated compares variants of one cell");
         output::talk("  help: give one cell file");
         return Err(Exit::BadInput);
     };

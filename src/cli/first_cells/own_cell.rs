@@ -77,8 +77,9 @@ source = "the table was placed by sweetspot init within the reach of the arm; th
 {about_errors}
 errors = "{errors}"
 
-# How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
-# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample has the reading "signed".
+# How errors are read: "worst-case" (the worst combination of the tolerances) or "statistical" (random variables).
+# `quantity` is the statistic that counts: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
+# "signed".
 {reading}
 
 # A distance below this counts as a collision.

@@ -17,7 +17,7 @@ impl Sketch {
                  # compare layouts."
             }
             _ => {
-                "# Tolerances with the magnitudes of Table 3 of the seed paper, which the robot file describes. Add the\n\
+                "# Tolerances with the magnitudes of Table 3 of the seed paper; the robot file states this source. Add the\n\
                  # tolerances of your robot to its file, under [errors.NAME], and name the set here."
             }
         };
@@ -34,8 +34,9 @@ source = "placements made up by sweetspot init; the robot file states the source
 {what}
 errors = "{errors}"
 
-# How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
-# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample has the reading "signed".
+# How errors are read: "worst-case" (the worst combination of the tolerances) or "statistical" (random variables).
+# `quantity` is the statistic that counts: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
+# "signed".
 reading = "statistical"
 quantity = "p95"
 
@@ -112,7 +113,7 @@ bend_deg = -90
 /// Text of the table `[search]` of a first cell.
 pub const SEARCH: &str = r#"[search]
 solver = "cma-es"
-objective = "sum" # sum of the errors of all operations; or "max", or "lexicographic" in the order of operations
+objective = "sum" # sum of all errors; or "max" (largest error), or "lexicographic" (first operation first)
 budget = 2000     # layout evaluations; use 20000 for a final result
 seed = 1          # the same seed gives the same result
 "#;

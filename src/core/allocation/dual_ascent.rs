@@ -75,11 +75,13 @@ impl PricedScales {
 }
 
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
-/// gap is at most `gap`, unless the function ends too early to reach it. It ends early if no sign pattern is
-/// missing after a fine ascent (see `FINE`), or after `MAX_ROUNDS` rounds.
+/// gap is at most `gap` unless the function ends early. It ends early after `MAX_ROUNDS` rounds, or after a
+/// fine ascent (see `FINE`) that adds no sign pattern. A sign pattern is one combination of the signs of all
+/// errors in a worst case.
 ///
-/// The scales are reduced only once, so a figure can still exceed its limit. The relative excess is at most
-/// `gap` unless the function ends early. If it ends early, the excess is not checked.
+/// At the end, all scales are divided once by the largest figure if this figure exceeds 1. A figure can still
+/// exceed its limit, because fixed errors and scales at their lower bounds do not decrease. The relative
+/// excess is at most `gap` unless the function ends early. If it ends early, the excess is not checked.
 ///
 /// The costs must be continuous, and the tightest scales must meet every limit. Returns None if the ascent
 /// fails.

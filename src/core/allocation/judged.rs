@@ -35,11 +35,12 @@ pub trait ToleranceJudge {
     /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
-    /// Returns the linear figures of the requirements `which` at the scales that were judged last.
+    /// Returns the linear figures of the requirements `which`. They approximate the judged figures near the
+    /// scales of the last call of [`Self::values`].
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
-    /// Returns whether every linear figure is a lower bound of its judged figure. Only such linear figures
-    /// may be kept as cuts.
+    /// Returns whether every linear figure is a lower bound of its judged figure. If so, [`allocate_judged`]
+    /// keeps the linear figures of all rounds as constraints.
     fn is_bounded_by_linear(&self) -> bool;
 }
 

@@ -17,8 +17,8 @@ const QUICK_GAIN: f64 = 1e-4;
 /// Two values count as equal up to this difference. Rounding errors can be as large.
 const SAME: f64 = 1e-13;
 
-/// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty
-/// list `linear` or `squares` counts as a list of zeros.
+/// One constraint along one direction of the error: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`.
+/// An empty list `linear` or `squares` counts as a list of zeros.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LimitRow {
     pub linear: Vec<f64>,
@@ -120,8 +120,8 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least multiplier with which the cheapest scales keep the constraint. Newton's method
-    /// within a bracket finds the multiplier.
+    /// Returns the least Lagrange multiplier of this constraint at which the cheapest scales keep it.
+    /// Newton's method within a bracket finds the multiplier.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

@@ -124,7 +124,7 @@ impl LinearFigure {
         (columns, fixed.iter().zip(others).map(signed).sum())
     }
 
-    /// Returns the figure multiplied by a factor at all scales.
+    /// Returns a figure whose value at any scales is `factor` times the value of this figure.
     pub fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::WorstCase { rows, generators, fixed } => Self::WorstCase {
@@ -139,7 +139,8 @@ impl LinearFigure {
         }
     }
 
-    /// Returns whether the figure needs several cuts, as a worst case in more than one axis does.
+    /// Returns whether the figure is a worst case in more than one axis. Such a figure needs several cuts:
+    /// one constraint for each sign pattern that binds.
     pub fn has_many_cuts(&self) -> bool {
         matches!(self, Self::WorstCase { rows, .. } if *rows > 1)
     }

@@ -12,11 +12,11 @@
 //! ```
 //!
 //! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one
-//! second-order cone. A worst case is one second-order cone for each sign pattern; in one axis it is one
-//! linear row. In a plane, the patterns depend only on the directions of the generators, so n generators have
-//! at most n patterns. Cutting planes (`ConeCut`) add only the patterns that bind. The exact worst case of a
-//! solution gives the pattern with which this solution violates a limit. A requirement adds cuts only while a
-//! solution violates it. So requirements at many nodes take little computing time.
+//! second-order cone. A worst case is one second-order cone for each sign pattern. In one axis, it is a
+//! single linear inequality. In a plane, the patterns depend only on the directions of the generators, so n
+//! generators have at most n patterns. Cutting planes (`ConeCut`) add only the patterns that bind. The exact
+//! worst case of a solution gives the pattern with which this solution violates a limit. A requirement adds
+//! cuts only while a solution violates it. So requirements at many nodes take little computing time.
 //!
 //! For continuous costs, Newton's method solves the dual problem, which has only a few variables
 //! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the grades

@@ -14,7 +14,9 @@ use nalgebra::Vector6;
 /// Largest number of Newton steps to find the factor by which all known multipliers are scaled.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that meet the limits of some figures. They bound the prices of similar figures.
+/// Cheapest tolerances that meet the limits of some figures, with their Lagrange multipliers. The price of
+/// figures is the cost of the cheapest tolerances that meet their limits. The known tolerances and
+/// multipliers give bounds of the prices of similar figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.
@@ -40,8 +42,10 @@ impl NearbyPrice {
         near.reduced_cost(costs, figures, scratch).map(|_| near)
     }
 
-    /// Returns an upper bound of the price of `figures`. The bound is at most `most`. Returns None if the
-    /// price exceeds `most`.
+    /// Returns an upper bound of the price of `figures`, at most `most`; None if the price exceeds `most`.
+    ///
+    /// The bound is [`Self::reduced_cost`]. If this cost is missing or exceeds `most`, the price itself is
+    /// computed.
     pub fn within(
         &self,
         tolerances: &TolerancePricing,
@@ -56,9 +60,10 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the known scales after they are reduced until they meet every limit of `figures`.
+    /// Returns the cost of the scales that [`Self::new`] found, divided so that `figures` meet their limits.
+    /// The divisor is the largest of `figures` at these scales, but at least 1.
     ///
-    /// Returns None if the reduced scales cannot meet every limit.
+    /// Returns None if a divided scale leaves its range, or if a figure still exceeds its limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

@@ -57,7 +57,7 @@ impl NodeFigure<'_> {
 
     /// Returns a linear figure that approximates the judged figure `value`.
     ///
-    /// The tolerances of the evaluator are already at the scales `scales` of the parameters `free`. All other
+    /// The evaluator already holds the tolerances of the parameters `free` multiplied by `scales`. All other
     /// errors are fixed.
     pub fn linear(
         &self,
@@ -131,8 +131,8 @@ impl NodeFigure<'_> {
     ///
     /// Consider normal errors of equal mean square. A high percentile is least if all directions have equal
     /// variance. A low percentile is least if the errors have one direction. A high percentile of a bounded
-    /// error may be below the percentile of a normal error. The percentile of the bounded error is still
-    /// above the root mean square.
+    /// error may be below that of a normal error. It is at least the root mean square. If an error is
+    /// bounded, the result is therefore 1 for a high percentile, and 0 for a low percentile.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -194,8 +194,8 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns a root sum square that matches a percentile of normal errors in value and slopes. The mean
-    /// of the errors counts as 0.
+    /// Returns a root sum square that equals a percentile of normal errors at the present tolerances. The
+    /// derivatives with respect to the squared scales are also equal. The mean of the errors counts as 0.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///

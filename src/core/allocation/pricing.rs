@@ -56,7 +56,7 @@ pub struct OperationPricing {
 impl TolerancePricing {
     /// Collects the tolerances that act on the operations of a cell; None if there are no such tolerances.
     ///
-    /// Measured and correlated errors have no separate tolerance.
+    /// Measured and correlated errors are left out, because they have no tolerance of their own.
     pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
         let mut parameters: Vec<Parameter> = Vec::new();
         for source in evaluators.iter().flat_map(|evaluator| &evaluator.sources.list) {
@@ -204,7 +204,7 @@ impl OperationPricing {
         }
     }
 
-    /// Returns a lower bound of [`Self::price`] at little cost.
+    /// Returns a lower bound of [`Self::price`] that takes little computing time.
     pub fn rough_bound(
         &self,
         node: &NodeFigure<'_>,
@@ -214,7 +214,8 @@ impl OperationPricing {
         self.tolerances.bound(&self.bounding_figure(node, memory), ROUGH, scratch)
     }
 
-    /// Returns a lower bound of [`Self::price`] that is often nearly the price.
+    /// Returns a lower bound of [`Self::price`] that is often close to the price. This bound takes more
+    /// computing time than [`Self::rough_bound`].
     pub fn bound(
         &self,
         node: &NodeFigure<'_>,

@@ -13,10 +13,10 @@ pub struct ToleranceShortfall {
     pub requirement: usize,
     /// Limit of the requirement.
     pub limit: f64,
-    /// Least figure that the bounds permit.
+    /// Least possible figure: the figure at the tightest tolerances.
     pub least: f64,
-    /// Lower bounds that cause the excess, each for the scale of one parameter. The bound with the greatest
-    /// contribution comes first.
+    /// Lower bounds of scales that contribute to the excess of [`Self::least`] over [`Self::limit`]. The
+    /// bound with the greatest contribution comes first.
     pub bounds: Vec<BoundInTheWay>,
 }
 

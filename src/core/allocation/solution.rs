@@ -18,8 +18,8 @@ pub struct ToleranceAllocation {
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,
-    /// Shadow price of every requirement: the decrease of the cost per unit increase of its limit. If there
-    /// are grades, the shadow prices belong to the relaxation.
+    /// Shadow price of every requirement: the decrease of the cost per unit increase of its limit. If a cost
+    /// model has grades, the shadow prices belong to a relaxed problem that permits mixtures of grades.
     pub shadow_prices: Vec<f64>,
     /// Number of cone programs solved.
     pub programs: usize,
@@ -35,7 +35,7 @@ impl ToleranceAllocation {
 /// Reason why there is no allocation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AllocationFailure {
-    /// Even the tightest tolerances exceed these limits.
+    /// Requirements that even the tightest tolerances do not keep.
     Infeasible(Vec<ToleranceShortfall>),
     /// The solver of the cone programs failed.
     NotSolved,

@@ -6,8 +6,10 @@ use super::problem::ToleranceProblem;
 /// Number of bisections, enough to determine a scale to its last digit.
 const BISECTIONS: usize = 60;
 
-/// Returns the common scale of uniform tightening, and the scale of every tolerance. The scale of a
-/// tolerance is the common scale, moved into the range or to a grade of its cost model.
+/// Returns the common scale of uniform tightening, and the scale of every tolerance. The scale of a tolerance
+/// is the common scale, clamped to the range of its cost model. If the cost model has grades, the scale is
+/// that of the loosest grade within the common scale. If no grade is within the common scale, the scale is
+/// that of the tightest grade.
 ///
 /// Returns None if the tightest tolerances exceed a limit.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {

@@ -105,11 +105,11 @@ impl<'a> CellAllocation<'a> {
         if requirements.is_empty() {
             let which =
                 if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
-            let help = "add --limit, or write limit_mm into the operation";
+            let help = "add --limit, or write limit_mm or limit_deg into the operation";
             return Err(NoAllocation::Question { why: which.into(), help });
         }
         if parameters.is_empty() {
-            let why = "no parameter has a tolerance of its own".into();
+            let why = "no parameter has a tolerance that can be chosen".into();
             let help = "choose an error set of tolerances with --errors; the tolerances of measured and correlated errors cannot be chosen";
             return Err(NoAllocation::Question { why, help });
         }
@@ -137,7 +137,7 @@ impl<'a> CellAllocation<'a> {
         let Some(first) = self.requirements.iter().find(is_beyond) else { return Ok(()) };
         let name = shown(&cell.operations[first.operation].name);
         let why = format!(
-            "as tolerances, these errors would displace {name} by {:.0} mm, more than the arm reaches: they compensate each other in one calibrated arm",
+            "read as tolerances, these errors would displace {name} by {:.0} mm, more than the reach of the arm; they compensate each other in one calibrated arm",
             mm_from_m(first.before)
         );
         let help = "choose an error set of tolerances with --errors; `sweetspot errors` creates such a set";

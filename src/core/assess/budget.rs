@@ -18,8 +18,8 @@ pub struct Tighter {
     pub figure: f64,
 }
 
-/// Error budget of one posture, with the gain from halved tolerances of the parameters with the largest
-/// shares.
+/// Error budget of one posture, with the effect of halved tolerances. Tolerances are halved for the
+/// parameters that have the largest shares of the budget.
 pub struct BudgetReport<'a> {
     pub context: PostureContext<'a>,
     pub budget: Budget,

@@ -16,7 +16,8 @@ pub struct CheapestTolerances {
     pub found: JudgedAllocation,
     /// Monte Carlo checks; empty unless the reading is statistical.
     pub sampled: Vec<SampledRequirement>,
-    /// Number of further allocations that the samples caused.
+    /// Number of repeated allocations. An allocation is repeated if Monte Carlo samples refute a figure and
+    /// exceed its limit.
     pub sampled_rounds: usize,
 }
 

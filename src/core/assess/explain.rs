@@ -31,8 +31,8 @@ pub struct ParameterEffect {
     pub motions: Vec<ParameterMotion>,
     /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
     pub value: f64,
-    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration and the error at the pick
-    /// of the part are ignored.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration is ignored. If the
+    /// operation places a picked part, the effect at the pick is also ignored.
     pub alone: Displacement,
     /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP after registration. If the operation
     /// places a picked part, the effect at the pick is subtracted.
@@ -80,8 +80,8 @@ pub struct Explanation<'a> {
     /// Worst case in the sense of the operation; None if the errors are not tolerances
     /// ([`crate::reading::ErrorEvaluator::has_tolerances`]).
     pub worst: Option<WorstCase>,
-    /// Nonlinear error of the robot alone. Registration, the error at the pick of the part and errors of
-    /// the equipment are ignored.
+    /// Nonlinear error of the robot alone. Registration and errors of the equipment are ignored. If the
+    /// operation places a picked part, the error at the pick is also ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
     /// Deviation of the linear position error from the nonlinear position error, as a share of the latter.

@@ -83,7 +83,8 @@ pub struct Assessment<'a> {
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
-    /// If the samples refute these figures, the map holds the figures of the samples at the spot.
+    /// If the samples refute these figures, figures from the samples replace them in [`Self::maps`] at the
+    /// spot.
     pub confirmed: Vec<Option<bool>>,
     /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
     /// layout is not feasible.
@@ -92,7 +93,8 @@ pub struct Assessment<'a> {
     ///
     /// None if [`Self::with_regions`] was not called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
-    /// Nearest layout found without overlaps; None if no equipment overlaps, or if no such layout was found.
+    /// Layout without overlaps near [`Self::layout`]; None if nothing overlaps, or if no such layout was
+    /// found.
     pub apart: Option<Layout>,
 }
 
@@ -206,8 +208,8 @@ impl<'a> Assessment<'a> {
         self.confirmed[operation]
     }
 
-    /// Returns the part of a proof that holds for this layout, and the gap `objective / bound - 1` of the
-    /// layout.
+    /// Returns the bounds of `proof` that hold for this layout, and the gap `objective / bound - 1`. The
+    /// objective belongs to this layout, and the bound to the returned proof.
     ///
     /// The bound of an operation is left out if samples refute the first-order figures of that operation.
     pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {
@@ -277,14 +279,15 @@ impl<'a> Assessment<'a> {
         Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
-    /// Returns whether every operation certainly meets its requirement. An operation for which
+    /// Returns whether every requirement is met ([`Requirement::is_met`]). An operation for which
     /// [`Self::requirement`] returns None does not count.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
 
-    /// Returns, in words, which placement tolerances make the layout infeasible; empty if the layout is
-    /// feasible, or infeasible even without misplacements.
+    /// Returns, in words, which placement tolerances make the layout infeasible. The list is empty if the
+    /// layout is feasible. The list is also empty if smaller placement tolerances do not make the layout
+    /// feasible.
     pub fn ending_tolerances(&self) -> Vec<String> {
         if self.evaluation.objective.is_some() || self.evaluation.misfit.is_some() {
             return Vec::new();

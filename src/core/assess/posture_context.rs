@@ -197,7 +197,7 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
         let (failing, all) = (map.nodes.len() - map.count(NodeSign::Usable), map.nodes.len());
         let why = node.status.reason(cell);
         return format!(
-            "{name} happens at all of its {all} nodes, and {failing} cannot be used; the first is ({}, {}): {why}",
+            "{name} happens at all of its {all} nodes, but {failing} of these cannot be used; the first unusable node is ({}, {}): {why}",
             node.i, node.j
         );
     }

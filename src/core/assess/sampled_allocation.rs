@@ -13,7 +13,7 @@ const MAX_SAMPLED: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledRequirement {
     pub requirement: usize,
-    /// Figure of the requirement by the samples of the nonlinear model, m or rad.
+    /// Figure of the requirement, estimated from samples of the nonlinear model, m or rad.
     pub figure: Estimate,
     /// Whether the samples confirm the first-order figure.
     pub confirmed: bool,

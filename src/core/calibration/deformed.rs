@@ -28,8 +28,9 @@ pub struct Deformed {
 impl Deformed {
     /// Returns the deformed chain at actuator coordinates `q` for the values of the unknowns.
     ///
-    /// The link errors are small motions in the order `Rz(dq) Tz(dr) Tx(dl) Rx(dalpha) Ry(dbeta)` at the
-    /// frames of the row. The levers of the elastic terms belong to the chain without errors.
+    /// The errors of a Denavit-Hartenberg row are small motions in the order
+    /// `Rz(dq) Tz(dr) Tx(dl) Rx(dalpha) Ry(dbeta)`. Each motion acts in a frame of this row. The levers of the
+    /// elastic terms are computed for the chain without errors.
     pub fn new(chain: &Chain, q: &JointVector, unknowns: &[Unknown], values: &[f64]) -> Self {
         let nominal = chain.posture(q);
         let frames = chain.frames(&nominal);

@@ -33,6 +33,9 @@ impl Calibration {
     }
 
     /// Returns the covariance of the parameters, given the periodic errors: `C_pp - C_ph C_hh^-1 C_hp`.
+    ///
+    /// Here C is the covariance of all unknowns. Index p denotes the parameters, and index h the coefficients
+    /// of the periodic errors. For an arm with joint coupling, the result is `C_pp`.
     pub fn covariance_beside_periodic_errors(&self) -> DMatrix<f64> {
         let (known, size) = (self.parameters().len(), self.covariance.nrows());
         let of_parameters = self.covariance.view((0, 0), (known, known)).into_owned();

@@ -27,13 +27,15 @@ const PASSES: usize = 4;
 const BETTER: f64 = 1e-9;
 
 impl PlanProblem {
-    /// Returns the root mean square error of predicted positions at the task before the measurement, m.
+    /// Returns the expected root mean square error of predicted positions at the task, m, without any
+    /// measurement.
     pub fn before(&self) -> f64 {
         self.targets.norm()
     }
 
     /// Returns the expected root mean square error of predicted positions at the task, m, once the chosen
-    /// candidates are measured. This error does not include the misfit at the task itself.
+    /// candidates are measured. The result leaves out the errors at the task that the unknowns do not explain
+    /// ([`super::UnmodelledError`]).
     pub fn after(&self, chosen: &[usize]) -> f64 {
         PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
     }

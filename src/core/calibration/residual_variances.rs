@@ -70,7 +70,7 @@ impl ResidualVariances {
         Self { joints: expected.clone(), position, expected, correlated }
     }
 
-    /// Returns the covariance of a remaining error, m^2.
+    /// Returns the covariance of the unexplained error of one measured position, m^2.
     ///
     /// `drives` holds the displacement of the point per unit of every actuator, and `stated` the stated
     /// standard deviation of the measurement per axis, m.
@@ -87,7 +87,7 @@ impl ResidualVariances {
     }
 
     /// Applies the fraction `share` of one scoring step to the variances. Returns the new variances, and the
-    /// relative change of largest absolute value, with its sign.
+    /// signed relative change of the variance that changes most.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);

@@ -59,7 +59,8 @@ pub struct Calibration {
 
 /// Fits the unknowns to the sessions; `priors` holds the prior standard deviations of the unknowns.
 ///
-/// Harmonics must come after all other unknowns. The fit adjusts their prior standard deviations.
+/// Harmonics must come after all other unknowns. The fit adjusts the prior standard deviations of the
+/// harmonics.
 ///
 /// Returns an error that states why the sessions cannot be fitted.
 pub fn calibrate(

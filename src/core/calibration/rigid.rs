@@ -74,8 +74,9 @@ const CONVERGED: f64 = 1e-10;
 
 /// Returns the frames of a session that fit the measured positions best, by least squares.
 ///
-/// The first estimate of the base is the rigid motion (Kabsch 1976) from the mechanical interface to the
-/// measured positions. Returns None if the positions do not determine this motion.
+/// The first estimate of the base is a rigid motion (Kabsch 1976). This motion best moves the origins of the
+/// mechanical interface onto the measured positions. Returns None if the positions do not determine this
+/// motion.
 pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
     let pairs = poses.iter().zip(measured).map(|(pose, m)| (pose.interface.translation, m.position));
     let base = superposed(pairs)?;

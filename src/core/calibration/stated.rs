@@ -57,12 +57,13 @@ pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
 
 /// Returns the errors of joint frames and tool that transform one chain into another.
 ///
-/// Both chains are from URDF files: the frames of their joints are compared, each in the frame of the joint
-/// before it.
+/// Both chains must come from URDF files. The function compares the frames of each joint relative to the
+/// frame of the joint before it.
 ///
 /// # Errors
 ///
-/// Returns the index of the first joint whose axis has different directions in the frames of the two chains.
+/// Returns the index of the first joint whose axis, expressed in its own joint frame, differs between the
+/// chains.
 pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedErrors, usize> {
     let mut errors = no_errors(nominal.axes());
     let [a, b] = [nominal, calibrated].map(frames_at_zero);

@@ -264,7 +264,8 @@ pub struct Assumption {
 
 /// Resolution of the coordinates that a search finds.
 ///
-/// The resolution is in mm and degrees, because the coordinates in files are multiples of it in these units.
+/// The resolution is in mm and degrees, the units of the coordinates in files. These coordinates are
+/// multiples of the resolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resolution {
     pub mm: f64,

@@ -49,7 +49,7 @@ impl Placement {
         Self { x, y, z, yaw }
     }
 
-    /// Converts `own`, a placement relative to this one, to the frame in which `self` is given.
+    /// Converts the placement `own`, given in the frame of `self`, to the frame in which `self` is given.
     pub fn carrying(&self, own: &Placement) -> Placement {
         let (s, c) = self.yaw.sin_cos();
         Placement {
@@ -275,7 +275,7 @@ pub struct Cell {
 /// Reason why errors that compensate each other ([`Cell::errors_compensate`]) have no worst case and no
 /// statistics.
 pub const NO_TOLERANCES: &str =
-    "the errors compensate each other in one calibrated arm, so they are not tolerances";
+    "the errors compensate each other in one calibrated arm, so they cannot be read as tolerances";
 
 impl Cell {
     /// Returns the chosen error set of the robot.

@@ -20,8 +20,8 @@ impl Cell {
 
     /// Returns the pedestal of the highest base that the cell allows.
     ///
-    /// This pedestal also serves every lower base in the collision check. The lower end of the pedestal is
-    /// then below the floor.
+    /// The collision check uses this pedestal also for every lower base. The lower end of the pedestal is
+    /// below the floor if the base is lower.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)
     }

@@ -126,8 +126,8 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns every fault of the interpretation that this cell states; a cell read from a file has no
-    /// faults.
+    /// Returns every fault of the interpretation of this cell. The list is empty for a cell that was read
+    /// from a file.
     pub fn interpretation_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
@@ -234,7 +234,10 @@ impl Cell {
             JointKind::Revolute => "max_velocity_deg_s = 180",
             JointKind::Prismatic => "max_velocity_mm_s = 500",
         };
-        Some(format!("add [[robot.rate]] with joint = {} and {key}, for each of them", first + 1))
+        Some(format!(
+            "add [[robot.rate]] with joint = {} and {key}, and such an entry for every other joint without a speed",
+            first + 1
+        ))
     }
 
     /// Returns one text for each error set in use that states tolerances.

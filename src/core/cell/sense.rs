@@ -119,10 +119,9 @@ impl Sense {
         Self { name: name.to_string(), frame, point, unit, rows, count }
     }
 
-    /// Returns the built-in sense `name`, one of the names in [`PLAIN`], in world axes; None for any other
-    /// name.
+    /// Returns the built-in sense with a name from [`PLAIN`], in world axes; None for an unknown name.
     ///
-    /// Names such as `xy@tool` and `xy@surface` give the sense in other axes.
+    /// A suffix of `name` selects other axes: `xy@tool` is the sense `xy` in tool axes.
     pub fn plain(name: &str) -> Option<Self> {
         let (word, frame) = match name.split_once('@') {
             Some((word, frame)) => (word, Frame::ALL.into_iter().find(|f| f.name() == frame)?),

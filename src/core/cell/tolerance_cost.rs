@@ -65,8 +65,8 @@ impl ToleranceCost {
         Some(Self { law: CostLaw::Grades(kept), range })
     }
 
-    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not
-    /// looser than `u`. If all grades are looser, the result is the cost of the tightest grade.
+    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade whose scale is at
+    /// most `u`. If the scales of all grades exceed `u`, the result is the cost of the tightest grade.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,
@@ -76,7 +76,7 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the index of the loosest grade that is not looser than `u`; None if there is no such grade.
+    /// Returns the index of the loosest grade whose scale is at most `u`; None if there is no such grade.
     pub fn grade(&self, u: f64) -> Option<usize> {
         self.grades().iter().rposition(|g| g.scale <= u * (1.0 + SAME_SCALE))
     }
@@ -90,8 +90,8 @@ impl ToleranceCost {
     }
 
     /// Returns the scale that can be ordered if the scale `u` is wanted. For a continuous law, the result is
-    /// `u`, clamped to the range. For grades, the result is the scale of the loosest grade that is not looser
-    /// than `u`. If all grades are looser, the result is the scale of the tightest grade.
+    /// `u`, clamped to the range. For grades, the result is the scale of the loosest grade whose scale is
+    /// at most `u`. If the scales of all grades exceed `u`, the result is the scale of the tightest grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

@@ -14,8 +14,9 @@ use std::f64::consts::TAU;
 pub struct JointEnclosure {
     /// Half widths of the D-H coordinates about the nominal posture, rad or m; 0 for joints that do not move.
     pub half: JointVector,
-    /// First-order change of the D-H coordinates over half the width of the target box along each
-    /// [`BoxAxis`], rad or m.
+    /// First-order changes of the D-H coordinates, rad or m, with one entry per [`BoxAxis`].
+    ///
+    /// For each entry, the target moves along that axis by the half width of the target box.
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,

@@ -41,11 +41,12 @@ use crate::units::{deg_from_rad, mm_from_m};
 /// Reason why an operation is not certified at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotCertified {
-    /// No bound of the joint coordinates is known, for one of three reasons:
-    ///
-    /// - no [`crate::reach::ToolTask`] describes how the arm follows the target;
-    /// - the branch does not exist at the target;
-    /// - the operation has no spot.
+    /// The operation has no spot.
+    NoSpot,
+    /// The branch does not exist at the target.
+    NoBranch,
+    /// No bound of the joint coordinates is known, because no [`crate::reach::ToolTask`] describes how the
+    /// arm follows the target.
     NoTask,
     /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,
@@ -70,10 +71,11 @@ impl From<NoEnclosure> for NotCertified {
 
 impl NotCertified {
     /// Returns the reason as a clause about the operation, with the names that the cell gives to its parts.
-    /// For [`Self::NoTask`], the clause does not say which of the three reasons applies.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
-            Self::NoTask => "no bound of the joint coordinates is known for this attitude and arm".into(),
+            Self::NoSpot => "it has no spot".into(),
+            Self::NoBranch => "its posture does not exist at the target".into(),
+            Self::NoTask => "no method bounds the joint coordinates of this arm in this attitude".into(),
             Self::NearlySingular => "the posture is too near to a singular posture".into(),
             Self::JointLimit { joint, by } => {
                 let joint = &cell.robot.joints[*joint];
@@ -82,7 +84,7 @@ impl NotCertified {
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
                 format!(
-                    "joint {} could go beyond its limit, or into the margin before it, by {by:.2} {unit}",
+                    "joint {} could exceed its limit, less the margin, by {by:.2} {unit}",
                     shown(&joint.name)
                 )
             }

@@ -37,18 +37,18 @@ const ROUNDING: f64 = 1e-12;
 pub enum NoValueBound {
     /// A registration removes part of the error. This part also depends on other postures.
     Registered,
-    /// The error is measured relative to the operation that picks the part.
+    /// The error is measured relative to another operation, which picks the held part.
     Relative,
     /// The sense has rotations.
     Rotation,
-    /// The sense is given in axes of the tool.
+    /// The sense is given in axes of the tool, and weights them unequally.
     ToolAxes,
     /// The value is a share of failures.
     Share,
     /// A parameter is not normally distributed, and the quantity is a percentile.
     NotNormal,
-    /// The sense has more than three rows, and the value is a worst case or a percentile. A worst case in
-    /// more than three rows is itself an estimate.
+    /// The sense has more than three rows, and the value is a worst case or a percentile. For more than three
+    /// rows, the computed worst case is an estimate, not a bound.
     ManyRows,
     /// Elastic errors change with the posture.
     Elastic,
@@ -61,12 +61,12 @@ impl NoValueBound {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Registered => "a registration removes part of its error",
-            Self::Relative => "the error is measured relative to the pick of the part",
+            Self::Relative => "the error is measured relative to the operation that picks the part",
             Self::Rotation => "the sense has rotations",
             Self::ToolAxes => "the sense is in axes of the tool",
             Self::Share => "the value is a share of failures",
             Self::NotNormal => "not all parameters are normally distributed",
-            Self::ManyRows => "the sense has more than three rows",
+            Self::ManyRows => "the sense has more than three components",
             Self::Elastic => "the elastic errors change with the posture",
             Self::Mean => "the errors vary about measured means",
         }

@@ -30,8 +30,8 @@ impl Scene {
         })
     }
 
-    /// Returns the first solid between a reflector on the tool and an instrument; None if the reflector is
-    /// visible.
+    /// Returns a solid that hides a reflector on the tool from an instrument. Returns None if the
+    /// reflector is visible.
     ///
     /// Both points are in the world frame, m. `frames` are the link frames in the robot base frame; the robot
     /// holds no part. A solid of the flange or the tool that contains the reflector is ignored, because it

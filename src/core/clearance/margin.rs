@@ -20,7 +20,7 @@ pub trait SolidMotion {
     fn of_equipment(&self, equipment: Option<usize>) -> f64;
 
     /// Returns the bound for the relative motion of a robot solid and a piece of equipment. Returns None if
-    /// no bound is known that is less than the sum of the two separate bounds.
+    /// only the sum of the two separate bounds is known.
     fn between(&self, link: usize, equipment: usize) -> Option<f64>;
 
     /// Returns the bound for the relative motion of two robot solids.

@@ -9,7 +9,7 @@ use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 impl FloorPlan {
     /// Returns the least distance between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// Each distance is the root sum square of the distance in plan and the vertical distance of the solids.
+    /// Each distance is the root sum square of the distance in plan and the vertical distance.
     /// The result is 0 if any two floor spaces overlap. A pair that the search cannot move does not count,
     /// because its distance is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
@@ -86,7 +86,7 @@ fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
     from(a, b).min(from(b, a))
 }
 
-/// Returns the area, m^2, of the convex hull of robot base and equipment in plan, without obstacles.
+/// Returns the area in plan, m^2, of the convex hull of robot base and equipment. Obstacles do not count.
 pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));

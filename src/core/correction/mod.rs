@@ -42,7 +42,7 @@ pub struct Correction {
     /// frame.
     pub rest: Displacement,
     pub steps: usize,
-    /// Whether the method has converged with the TCP at the target.
+    /// Whether the last Newton step is negligible and the TCP is at the target.
     pub converged: bool,
     /// Index of the joint that exceeds its limits by the largest share of its travel. None if all joints
     /// are within their limits.

@@ -21,8 +21,8 @@ pub struct Rings {
 
 /// Returns the working envelope for the tool attitude of an operation, within the joint limits.
 ///
-/// Each section is sampled on a lattice whose spacing is twice the step that [`step_of`] returns for the
-/// robot.
+/// Each section is sampled on a lattice. The spacing of the lattice is twice the spacing that [`step_of`]
+/// returns.
 pub fn rings(a: &Assessment<'_>, operation: usize) -> Rings {
     let inverse = a.workcell.inverse();
     let attitude = &a.layout.attitudes[operation];

@@ -81,7 +81,7 @@ impl OperationQuery<'_> {
     ) -> Result<Nominal, NotCertified> {
         let arm = &self.placed.mapper.arm;
         let target = *target;
-        let found = branch.ok_or(NotCertified::NoTask)?;
+        let found = branch.ok_or(NotCertified::NoBranch)?;
         let (posture, joints) = (found.posture, found.joints);
         let frames = arm.chain.frames(&posture);
         let task = arm.inverse.tool_task(&self.attitudes, &frames).ok_or(NotCertified::NoTask)?;
@@ -228,8 +228,8 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None
-    /// if no bound is known.
+    /// Returns an upper bound, over all misplacements, of an operation's value at `spot`. Returns None if no
+    /// bound is known.
     ///
     /// # Errors
     /// Returns the reason if the spot is not certified.
@@ -275,7 +275,7 @@ impl PlacedLayout<'_> {
             let mut deviations = Vec::with_capacity(path.len());
             for (operation, knots) in ends.into_iter().zip([before, after]) {
                 let query = OperationQuery::new(self, operation, spots);
-                let spot = spots[operation].ok_or(NotCertified::NoTask)?;
+                let spot = spots[operation].ok_or(NotCertified::NoSpot)?;
                 let target = query.setup.grid.target(&query.at, spot.node);
                 let branch = query.branch_at(&target, spot.branch);
                 let nominal = query.nominal(&target, branch, demand)?;

@@ -71,7 +71,7 @@ impl UnreachedNodes {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the spot of an operation and its value.
+    /// Finds the spot of an operation, and computes the value of the operation.
     ///
     /// For an operation at every node, the value combines the values of all nodes, and the spot is the
     /// worst node.
@@ -105,11 +105,11 @@ impl PlacedLayout<'_> {
         Outcome::Found(Spot { value, ..*worst })
     }
 
-    /// Finds the least-error usable spot of every node, in the order of the nodes. Nodes that the robot
+    /// Finds the least-error usable posture of every node, in the order of the nodes. Nodes that the robot
     /// touches to teach the frame are left out.
     ///
     /// # Errors
-    /// Returns the outcome if any node has no usable spot.
+    /// Returns the reason as an [`Outcome`] if any node is unusable or its error cannot be computed.
     pub fn every_free(
         &self,
         operation: usize,

@@ -8,8 +8,8 @@ use super::workspace::MapperWorkspace;
 use std::collections::BinaryHeap;
 
 impl PlacedLayout<'_> {
-    /// Calls `take` with the best usable spot of each node, in ascending order of value, until `take` returns
-    /// false.
+    /// Calls `take` for each usable node, in ascending order of value, until `take` returns false. The
+    /// argument of `take` is the node with its best usable posture.
     ///
     /// The first spot is the spot that [`Self::least_error`] finds.
     pub fn free_spots(

@@ -97,7 +97,7 @@ impl Grid {
         self.point(at, self.local(node))
     }
 
-    /// Computes a lower and an upper bound of the distances from the point `from` to the TCP targets, m.
+    /// Computes a lower and an upper bound, m, of all distances from the point `from` to the TCP targets.
     ///
     /// `from` and `at` must be given in the same frame.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {

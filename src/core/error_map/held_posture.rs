@@ -35,8 +35,8 @@ impl HeldPosture {
         Self { at, ..*self }
     }
 
-    /// Returns the branch index of the spot with this posture in another layout or at another point. The
-    /// result is [`CONTINUED`] if inverse kinematics keeps no branch indices.
+    /// Returns the branch index with which inverse kinematics finds this posture in another layout or at
+    /// another point. The result is [`CONTINUED`] if inverse kinematics keeps no branch indices.
     pub fn branch_elsewhere(&self, inverse: &Inverse) -> u64 {
         if inverse.keeps_branches() { self.branch } else { CONTINUED }
     }

@@ -30,8 +30,8 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None if
-    /// [`Self::joint_price`] returns None, or if the joint price exceeds `most`.
+    /// Returns an upper bound, at most `most`, of the cost that [`Self::joint_price`] computes. Returns None
+    /// if [`Self::joint_price`] returns None, or if this cost exceeds `most`.
     ///
     /// The function first tries the tolerances `near` of a similar layout, reduced until they meet every
     /// limit.

@@ -55,7 +55,7 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
-    /// Records the posture of each spot in `chosen` at its node of the map, if the node has another posture.
+    /// Replaces postures of the map by the postures of the spots in `chosen`, each at its own node.
     ///
     /// The certified posture of a node need not be its least-error posture.
     pub fn show(&self, map: &mut OperationMap, spots: &[Option<Spot>], chosen: &[Spot]) {

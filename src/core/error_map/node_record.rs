@@ -157,13 +157,9 @@ pub struct PostureRecord {
     pub nonlinear: Vector3<f64>,
     /// Position error under the linear model, m.
     pub linear: Vector3<f64>,
-    /// Deviation of the linear model, as a share of the length of the nonlinear position error.
-    ///
-    /// The deviation is the distance between the position errors of the two models.
+    /// Deviation of the linear model: `|linear - nonlinear| / |nonlinear|`.
     pub linear_off: f64,
-    /// Deviation of the second-order model, as a share of the length of the nonlinear position error.
-    ///
-    /// The deviation is the distance between the position errors of the two models.
+    /// Deviation of the second-order model, defined like [`Self::linear_off`].
     pub second_order_off: f64,
     /// Whether the robot touches the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: bool,
@@ -177,9 +173,8 @@ pub struct PostureRecord {
 }
 
 impl PostureRecord {
-    /// Returns the deviation of a model, as a share of the length of the nonlinear position error.
-    ///
-    /// The deviation is the distance between the position errors of the two models.
+    /// Returns the deviation of a model: [`Self::linear_off`], [`Self::second_order_off`], or 0 for the
+    /// nonlinear model.
     pub fn off(&self, model: Model) -> f64 {
         match model {
             Model::Nonlinear => 0.0,

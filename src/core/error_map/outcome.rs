@@ -69,7 +69,9 @@ impl Unjudged {
             Unjudged::NotTaught => {
                 "the surface frame cannot be taught: the robot cannot touch three points that are not in line"
             }
-            Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
+            Unjudged::OnlyTouched => {
+                "the robot can reach only the points that it touches to teach the surface frame"
+            }
             Unjudged::NoPick => "the operation that picks the part has no spot",
             Unjudged::NotALayout => "the layout does not belong to the cell",
         }

@@ -54,7 +54,8 @@ impl<'a> PlacedLayout<'a> {
         Self { demand, ..self }
     }
 
-    /// Returns this layout with the postures that its operations keep.
+    /// Returns this layout, in which operation k keeps the posture `kept[k]`. The entry is None if the
+    /// operation keeps no posture.
     ///
     /// For a spot with the branch index [`crate::reach::CONTINUED`], the kept posture is continued to the
     /// target in this layout.

@@ -77,15 +77,15 @@ impl Mapper {
     /// use the families.
     pub(super) fn lacks_families(&self, operation: usize, attitudes: &ToolAttitudes) -> Option<&'static str> {
         if !self.ranks {
-            Some("ranking is switched off")
+            Some("the use of lower bounds is switched off")
         } else if self.setups[operation].is_priced {
-            Some("prices of tolerances have no bound over spins")
+            Some("no lower bound of the cost of tolerances is known for a spin family")
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")
         } else if !self.arm.inverse.has_spin_families(attitudes) {
             Some("the postures at a target differ in more than the last joint")
         } else if !self.setups[operation].evaluator.has_spin_bound() {
-            Some("the reading or the sense has no bound over spins")
+            Some("no lower bound is known for a spin family in this reading or sense")
         } else {
             None
         }

@@ -41,8 +41,8 @@ impl PlacedLayout<'_> {
         Some(stops?.concat())
     }
 
-    /// Computes the least time of the motions and operations at these spots. `transfers` holds the
-    /// transfers between the spots.
+    /// Computes the least time of the motions and operations of the layout. `spots` holds the spots of all
+    /// operations, and `transfers` holds the transfers between them.
     ///
     /// Returns None if an operation has no spot, or if the arm cannot follow an approach or a retract.
     pub fn cycle_time(

@@ -275,7 +275,7 @@ impl Expansion {
 
     /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.
     ///
-    /// The order also counts the motions of all joint frames.
+    /// The rank also counts the motions of all joint frames.
     pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         // The closure returns the rank of the first motion of joint frame i. The motions of the D-H row of

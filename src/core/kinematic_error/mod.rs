@@ -8,8 +8,8 @@
 //! - dbeta is a rotation about the y axis after the link (the fifth parameter of Hayati);
 //! - the base frame, the tool frame and every joint frame have six components each. A joint frame precedes
 //!   the Denavit-Hartenberg (D-H) row of its joint;
-//! - elastic deflections are rotations about the axis of a revolute joint, as dtheta is. The size of a
-//!   deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
+//! - an elastic deflection is a rotation about the axis of a revolute joint and adds to dtheta. The size of
+//!   a deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
 //!   error. The factor is computed for the chain without errors at the posture. The joint coupling does not
 //!   transmit deflections, because deflections arise on the output side of the gears.
 //!
@@ -30,8 +30,8 @@
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the error is the linear error plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k
 //!   a_k^2 w_k x g_k`. In these sums, `w_j` and `w_k` are the axes of rotations, and are zero for
-//!   translations. The two sums together are the exact second-order part of the product. A motion nearer to
-//!   the base also rotates the displacements that later motions cause.
+//!   translations. The two sums together are the exact second-order part of the product. A rotation also
+//!   rotates the displacements that motions nearer to the tool cause.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 

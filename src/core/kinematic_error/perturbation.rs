@@ -60,7 +60,7 @@ impl FrameError {
     }
 }
 
-/// Errors of the joint frames, and the pose of each joint frame in the D-H frame that precedes its row.
+/// Errors of the joint frames, and the pose of each joint frame in the D-H frame before the row of its joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
     sizes: [f64; PER_FRAME * MAX_JOINTS],
@@ -178,8 +178,8 @@ impl Perturbation {
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Returns the pose of every joint frame in the D-H frame that precedes its row. The list is empty if
-    /// no joint frame has an error.
+    /// Returns the pose of every joint frame in the D-H frame before the row of its joint. The list is empty
+    /// if no joint frame has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }

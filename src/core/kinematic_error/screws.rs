@@ -98,8 +98,9 @@ impl Screws {
     }
 
     /// Returns the sizes of the small motions by which another chain with the same joints differs from this
-    /// chain. One motion precedes every axis, and one precedes the end point. The first array holds angles
-    /// (rad), the second array translations (m).
+    /// chain. Entry k of each array belongs to the motion that acts on axis k and on everything after it. The
+    /// entry after the last axis belongs to the motion of the end point. The first array holds angles (rad),
+    /// the second array translations (m).
     ///
     /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {

@@ -46,7 +46,8 @@ pub struct Evaluation {
     /// Objective computed from the values of all operations (m, rad, share of failures, or cost of
     /// tolerances); None if the layout is infeasible.
     ///
-    /// A robust search combines the worst values over the placement tolerances.
+    /// In a robust search, the worst value of each operation over the placement tolerances replaces its
+    /// value.
     pub objective: Option<f64>,
     /// Cost, which is finite for every layout. The cost equals the objective if the layout is feasible and
     /// within every limit.

@@ -28,12 +28,14 @@ impl Workcell {
     ///
     /// - error: the objective (m, rad, share of failures, or cost of tolerances).
     /// - clearance: the least distance (m) of the robot and its held parts from floor, equipment and fence.
-    ///   The minimum is taken over all nodes at which an operation happens. Distances between floor spaces,
-    ///   in plan and height, also count. The value is at most [`MAX_CLEARANCE`], which is also the value if
-    ///   collisions are not checked. Three kinds of distances do not count. The first is between a solid
-    ///   after the last joint and the equipment of the operation, because the standoff sets this distance.
-    ///   The second is between the floor and a solid that only the first joint moves. The third is between
-    ///   two floor spaces that cannot move.
+    ///   The minimum is taken over all nodes at which an operation happens. Distances between floor spaces
+    ///   also count, as the root sum square of the horizontal and the vertical distance. Horizontal distances
+    ///   between floor spaces and the fence also count. The value is at most [`MAX_CLEARANCE`], which is also
+    ///   the value if collisions are not checked. Four kinds of distances do not count. The first is between
+    ///   a solid after the last joint and the equipment of the operation, because the standoff sets this
+    ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
+    ///   between two floor spaces, or a floor space and the fence, if neither can move. The fourth is between
+    ///   the floor spaces of two pieces of equipment if one carries the other.
     /// - joint limits, singularity: the least value of the measure ([`measures`], a number without unit) at
     ///   the nodes at which an operation happens. The joint limits are those of the robot file, without
     ///   margins.

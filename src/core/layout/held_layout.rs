@@ -17,7 +17,7 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayo
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 
-/// Reason why a layout with held spots is infeasible, misses a limit or exceeds the largest allowed
+/// Reason why a layout whose operations keep their spots is infeasible, misses a limit or has too large an
 /// objective.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
@@ -32,7 +32,7 @@ pub enum Ending {
     NotCertified(usize, NotCertified),
     /// The operation cannot keep its posture at a corner of the placement tolerances.
     Corner(usize),
-    /// An operation at every node has a node that cannot be used.
+    /// The operation happens at every node, but one node cannot be used.
     EveryNode(usize),
     /// A transfer between two operations is blocked.
     Transfer(Blocked),
@@ -154,8 +154,9 @@ impl<'a> HeldLayout<'a> {
         self.layout
     }
 
-    /// Judges another layout with these spots. Returns its objective (m, rad, share of failures, or cost of
-    /// tolerances). A cost of tolerances may be overstated, but not beyond `most`.
+    /// Judges another layout whose operations keep the spots of this layout. Returns the objective of the
+    /// other layout (m, rad, share of failures, or cost of tolerances). A returned cost of tolerances is at
+    /// most `most`, but may be an upper bound of the least cost.
     ///
     /// # Errors
     /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above

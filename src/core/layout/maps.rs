@@ -97,8 +97,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the context of the operation and the link frames, from which the errors of one posture in a
-    /// map are computed.
+    /// Returns the [`WorkContext`] of an operation, and the link frames of a posture from its map. The errors
+    /// of this posture are computed from both.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

@@ -163,7 +163,8 @@ impl Workcell {
     /// misplacements. The spot and the branch do not change.
     ///
     /// # Errors
-    /// Returns the status if floor spaces overlap, or if the posture cannot be used at the misplacement.
+    /// Returns the reason, as a [`Status`], if floor spaces overlap or the posture cannot be used at the
+    /// misplacement.
     pub fn misplaced_value(
         &self,
         layout: &Layout,

@@ -241,7 +241,7 @@ impl<'a> Corners<'a> {
 /// Returns the penalty (m) of an operation without a certified spot. The penalty is at most [`LOST_PENALTY`].
 pub fn penalty(why: &NotCertified) -> f64 {
     let share = match why {
-        NotCertified::NoTask => 1.0,
+        NotCertified::NoSpot | NotCertified::NoBranch | NotCertified::NoTask => 1.0,
         NotCertified::NearlySingular | NotCertified::Singular { .. } => 0.6,
         NotCertified::JointLimit { by, .. } => 0.3 + by.min(0.3),
         _ => 0.2,

@@ -58,11 +58,12 @@ impl Workcell {
         self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
-    /// Returns this workcell under another interpretation of its errors, for uses that do not combine the
-    /// values of the operations.
+    /// Returns this workcell under another interpretation of its errors. Use the result only for values of
+    /// single operations, not for an objective that combines them.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does. Senses in different units are allowed.
+    /// Returns the reason as [`Workcell::interpreted`] does. However, the senses of the operations may have
+    /// different units.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell
@@ -98,7 +99,7 @@ impl Workcell {
         self
     }
 
-    /// Restricts each map to its operation's own sense, which is several times faster.
+    /// Restricts each map to the sense of its operation. Maps are then computed several times faster.
     #[must_use]
     pub fn in_own_senses(mut self) -> Self {
         self.mapper.report_own_senses();
@@ -142,7 +143,8 @@ impl Workcell {
         self.mapper.inverse()
     }
 
-    /// Returns, for each operation, the order in which a search judges its postures in the start layout.
+    /// Returns, for each operation, the order in which a search judges the postures of the operation. The
+    /// attitudes are those of the start layout.
     pub fn posture_orders(&self) -> impl Iterator<Item = PostureOrder> + '_ {
         let attitudes = self.cell.operations.iter().map(|operation| &operation.attitude);
         attitudes.enumerate().map(|(k, attitude)| self.mapper.posture_order(k, attitude))
@@ -153,7 +155,7 @@ impl Workcell {
         self.mapper.evaluator(operation)
     }
 
-    /// Sets the poses of the solids of a layout.
+    /// Returns a layout with the poses of its solids.
     pub fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }

@@ -4,15 +4,15 @@ use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Result of the check whether a surface bounds a solid, with the fault if the surface does not.
+/// Result of the check whether a surface bounds a solid, with the fault of a surface that bounds none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
     /// The surface encloses this many cavities. A cavity is a closed shell inside another shell, with normals
     /// that point into the cavity.
     Hollow(usize),
-    /// The surface has a hole, an edge of more than two triangles, or neighbouring triangles of opposite
-    /// orientation.
+    /// The surface has a hole, an edge that more than two triangles share, or neighbouring triangles of
+    /// opposite orientation.
     Open,
 }
 

@@ -125,8 +125,8 @@ impl Guard {
     /// Returns the value to which the [`singularity`] measure of a posture may fall if the scaled Jacobian
     /// changes. Returns None if the measure certainly stays above the margin.
     ///
-    /// `change` receives the characteristic length (m) that divides the lengths of the Jacobian. It returns
-    /// an upper bound of the spectral norm of the change of the Jacobian.
+    /// `change` receives the characteristic length (m) by which all lengths in the Jacobian are divided. It
+    /// returns an upper bound of the spectral norm of the change of the Jacobian.
     ///
     /// If a matrix changes, each singular value changes by at most the spectral norm of the change (H. Weyl
     /// 1912).

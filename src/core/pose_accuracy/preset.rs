@@ -36,7 +36,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.8,
         twist_deg: 0.08,
-        source: "the predicted AP of a UR10 is 0.9 mm, and the measured mean errors of one UR10 were 0.7 to 1.0 mm (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios are our estimate",
+        source: "the predicted AP of a UR10 is 0.9 mm, and the measured mean errors of one UR10 were 0.7 to 1.0 mm (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios of the tolerances are our estimate",
     },
     ErrorPreset {
         name: "small",
@@ -54,7 +54,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.6,
         twist_deg: 0.05,
-        source: "the predicted AP of a PUMA 560 is 0.6 mm, near the linear position accuracy of 0.65 mm of an uncalibrated ABB IRB 1600 (M. Slamani, A. Nubiola, I. A. Bonev, Assessment of the positioning performance of an industrial robot, Industrial Robot 39(1), 2012); the ratios are our estimate",
+        source: "the predicted AP of a PUMA 560 is 0.6 mm, near the linear position accuracy of 0.65 mm of an uncalibrated ABB IRB 1600 (M. Slamani, A. Nubiola, I. A. Bonev, Assessment of the positioning performance of an industrial robot, Industrial Robot 39(1), 2012); the ratios of the tolerances are our estimate",
     },
     ErrorPreset {
         name: "large",
@@ -90,7 +90,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.5,
         length_mm: 2.0,
         twist_deg: 0.4,
-        source: "the predicted AP of a Franka Panda is 3 mm; published errors of Franka and KUKA arms before calibration are of the order of 10 mm (G. Franzese et al., MUKCa, arXiv 2503.12584, 2025), but the fit of base and tool is part of them; sizes and ratios are our estimate",
+        source: "the predicted AP of a Franka Panda is 3 mm; published errors of Franka and KUKA arms before calibration are of the order of 10 mm (G. Franzese et al., MUKCa, arXiv 2503.12584, 2025), but they include the fit of base and tool; sizes and ratios of the tolerances are our estimate",
     },
 ];
 

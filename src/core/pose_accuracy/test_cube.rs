@@ -46,9 +46,13 @@ impl TestCube {
     /// The corners of the cube and the five poses are reachable within the joint limits with one attitude of
     /// the tool, whose azimuth and spin may be free. The cube is beside the robot base. The tried centres lie
     /// on a grid. If the cube fits at several centres, the centre nearest to their mean is chosen.
-    /// All sizes of the standard are tried before any smaller size. Among standard sizes, a cube above the
-    /// base plane is preferred even to a larger cube that extends below it. The same rule applies among the
-    /// smaller sizes. Otherwise, larger cubes are tried first.
+    ///
+    /// Cubes are tried in four groups, each from the largest to the smallest size:
+    ///
+    /// 1. cubes of the standard that are above the base plane
+    /// 2. cubes of the standard at any height
+    /// 3. smaller cubes that are above the base plane
+    /// 4. smaller cubes at any height
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));

@@ -5,13 +5,14 @@
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits.
 //!
-//! The first and the last joint may need no coordinate in the boxes of the search. The errors after the first
-//! joint act in directions that rotate with this joint. If the axis of this joint is vertical, its angle
-//! therefore matters only for senses that distinguish horizontal directions. The bound of the errors before
-//! such a joint does not depend on their horizontal directions. The last joint also needs no coordinate if
-//! its axis is the tool axis and passes through the measured point. The bound then uses the least
-//! contribution of the errors after this joint, over all rotations of the tool. For a signed sample, and for
-//! some errors of other readings, one or both joints keep their coordinate.
+//! The search divides the ranges of the joint coordinates into boxes. The first and the last joint may need
+//! no coordinate in these boxes. The errors after the first joint act in directions that rotate with this
+//! joint. If the axis of this joint is vertical, its angle therefore matters only for senses that distinguish
+//! horizontal directions. Errors before the first joint may act in horizontal directions. The bound replaces
+//! such errors by isotropic errors, or omits them. The last joint also needs no coordinate if its axis is the
+//! tool axis and passes through the measured point. The bound then uses the least contribution of the errors
+//! after this joint, over all rotations of the tool. Some signed samples, and some errors in the other
+//! readings, do not permit this. One or both joints then need a coordinate.
 //!
 //! Branch and bound over the remaining coordinates reduces the gap between the lower bound and the least
 //! value found. The module has the following files:
@@ -123,7 +124,7 @@ impl WhyNot {
             Self::Infeasible => {
                 "no posture within the joint limits has the height and attitude of the operation"
             }
-            Self::Relative => "its error is relative to the pick of the part",
+            Self::Relative => "its error is relative to the operation that picks the part",
             Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel the errors of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
@@ -131,14 +132,14 @@ impl WhyNot {
             Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
             Self::Rotation => "its sense includes rotations, which have no bound in this model and reading",
             Self::NotNormal => "its parameters are not normally distributed",
-            Self::ManyRows => "its sense has more than three rows",
+            Self::ManyRows => "its sense has more than three components",
             Self::Share => "a share of failures has no bound above 0",
             Self::Cost => "the cost of its tolerances has no known bound",
             Self::Boxes => {
                 "no bound above 0 was found within the allowed number of boxes of joint coordinates"
             }
             Self::Mean => "a nonlinear worst case about measured means has no bound",
-            Self::Refuted => "a bound would apply to its first-order figure, which the samples refute",
+            Self::Refuted => "Monte Carlo samples refute its first-order figure, to which the bound applies",
         }
     }
 }
@@ -219,8 +220,8 @@ impl Proof {
         Self::new(workcell, operations, self.interrupted)
     }
 
-    /// Returns the largest share by which another layout could still reduce `objective` (m or rad); None
-    /// without a bound, and for an objective of 0.
+    /// Returns the largest share by which another layout could still reduce `objective` (m or rad). Returns
+    /// None if there is no bound, or if `objective` is 0.
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }

@@ -276,10 +276,11 @@ fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
     pairs.map(|(i, j)| rows[i].direction * rows[j].direction.transpose() * entry(i, j)).sum()
 }
 
-/// Returns the derivative A of `quantity(S)^2` with respect to the covariance matrix S of `rows` components.
+/// Returns the derivative A of `quantity(S)^2` with respect to the covariance matrix S, at S = `covariance`.
+/// `rows` is the number of error components in S.
 ///
 /// `quantity(S)` is the quantity of the norm of a normal vector with mean zero and covariance S. Returns None
-/// if `covariance` is zero. The matrix is slightly reduced, by a margin for the error of numeric derivatives.
+/// if `covariance` is zero. A is slightly reduced, because the numeric derivatives have small errors.
 ///
 /// Let `<A, S>` be the sum of the products of corresponding entries. For the RMS, and for percentiles under
 /// the convexity assumption of this module, `<A, S> <= quantity(S)^2` for every S. For the mean, this

@@ -166,7 +166,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 ///
 /// # Errors
 /// Returns a message if the size is out of range or the picture cannot be encoded. The function also returns
-/// a message if the drawing lacks the operation or the combination of model and reading of `shot`.
+/// a message if the drawing lacks the operation, or the combination of model and reading, that `shot`
+/// selects.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

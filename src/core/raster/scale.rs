@@ -7,7 +7,7 @@ use crate::drawing::{Arrow, Component, Drawing, Field};
 /// Component of the errors that the arrows of a picture show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Show {
-    /// No component: the picture has no error maps.
+    /// No component. The picture shows neither arrows nor any other part of the error maps.
     Nothing,
     X,
     Y,

@@ -91,7 +91,7 @@ pub struct Branch {
     pub posture: Posture,
     /// Joint limit that is exceeded the most; None if the posture is within the limits.
     pub violation: Option<LimitViolation>,
-    /// Part of the attitude error that exceeds the tolerance, rad; 0 for an arm that can choose the attitude.
+    /// Part of the attitude error that exceeds the tolerance, rad. The value is 0 except for planar arms.
     pub off: f64,
 }
 

@@ -19,7 +19,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Inverse kinematics of one arm.
 ///
 /// The lowest bits of a branch index hold the number of the solution, and the bits above hold the index of
-/// the attitude. For a redundant arm, the bits from 16 on hold the lattice number of the redundant joint.
+/// the attitude. For a redundant arm, the bits from 16 on hold the value of the redundant joint. This value
+/// is a number of small equal steps from the lower end of the range.
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,
@@ -162,7 +163,7 @@ impl Inverse {
 
     /// Returns whether any branch stays within the joint limits and meets the required attitude.
     ///
-    /// For a solver of whole poses (`ChainSolver::Pose`), the search stops at the first attitude with a
+    /// If the solver solves for a complete pose of the flange, the search stops at the first attitude with a
     /// usable branch. For a redundant arm, the search stops at the first sampled joint value with a usable
     /// branch. Joint values between the samples are not tried.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {

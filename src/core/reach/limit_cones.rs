@@ -10,8 +10,8 @@ use crate::cell::JointKind;
 /// Every angle is written as a complex number of length 1, so a division subtracts angles. Let `theta_i` be
 /// the D-H angle of joint i, and `a_i` the coordinate of its actuator plus an offset `o_i`. Then `a_i` is
 /// `theta_i` divided by `a_j^factor` for every joint j that drives joint i. Here `factor` is the coupling
-/// factor from joint j to joint i. The offset `o_i` is `theta_i` at coordinate 0, minus `factor * o_j` for
-/// every joint j.
+/// factor from joint j to joint i. As an angle, `o_i` is `theta_i` with all actuators at coordinate 0, minus
+/// `factor * o_j` for every such joint j.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.

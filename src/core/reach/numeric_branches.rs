@@ -117,7 +117,11 @@ impl Inverse {
         Branch { index, joints: *joints, posture: self.chain.posture(joints), violation: None, off: 0.0 }
     }
 
-    /// Returns the azimuth in the base frame, rad, from which the allowed attitudes at a target are measured.
+    /// Returns the reference azimuth of a target: a direction in the base frame, rad. If this direction
+    /// rotates, all allowed attitudes at the target rotate equally.
+    ///
+    /// The direction leads from the base axis to the target if the azimuth of the tool is radial. Otherwise,
+    /// the direction is fixed in the surface.
     pub fn heading(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         attitudes.set.heading(target)
     }

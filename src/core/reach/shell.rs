@@ -42,7 +42,7 @@ impl Shell {
 }
 
 impl Inverse {
-    /// Returns a shell that contains every TCP position that the arm can reach in an attitude.
+    /// Returns a shell that contains every TCP position that the arm can reach in the attitude `attitude`.
     pub fn shell(&self, attitude: &Attitude) -> Shell {
         let chain = &self.chain;
         let known = self.fixed_elevation.or((attitude.tolerance == 0.0).then_some(attitude.elevation));

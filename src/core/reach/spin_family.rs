@@ -14,8 +14,11 @@ use nalgebra::Vector3;
 impl Inverse {
     /// Returns whether [`Self::visit_families`] supports this arm and these attitudes.
     ///
+    /// A spin family is a set of postures that differ only by the rotation of the tool about its axis.
+    ///
     /// A planar arm qualifies only if it can roll its tool and the attitude has no tolerance. If the tool is
-    /// tilted within a tolerance, the roll angle between two members is not the difference of their spins.
+    /// tilted within a tolerance, the roll angle between two members of a family is not the difference of
+    /// their spins.
     pub fn has_spin_families(&self, attitudes: &ToolAttitudes) -> bool {
         match &self.solver {
             ChainSolver::Planar(arm) => arm.rolls() && attitudes.set.tolerance == 0.0,
@@ -24,15 +27,15 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with the first member of each family in which all joints except the last keep their
-    /// limits.
+    /// Calls `found` with the first member of each spin family ([`Self::has_spin_families`]). A family is
+    /// skipped if a joint other than the last exceeds its limit in the first member.
     ///
     /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
     /// argument of `found` is the branch index of the first member.
     ///
-    /// For a redundant arm, returns whether any family found has a usable member. If the result is false,
-    /// [`Self::visit`] may still find usable branches between the sampled values of the redundant joint. For
-    /// the numeric solver, which has no families, returns false. For all other arms, returns true.
+    /// For a redundant arm, returns whether at least one of these families has a usable member. If the result
+    /// is false, [`Self::visit`] may still find usable branches between the sampled values of the redundant
+    /// joint. For the numeric solver, which has no families, returns false. For all other arms, returns true.
     pub fn visit_families(
         &self,
         target: &Vector3<f64>,
@@ -117,8 +120,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the posture of the member `branch` of a family with the first member `first`; None if the
-    /// family has no such member.
+    /// Returns the posture of one member of a spin family. `branch` is the branch index of this member, and
+    /// `first` is the posture of the first member. Returns None if the family has no such member.
     pub fn member(
         &self,
         target: &Vector3<f64>,

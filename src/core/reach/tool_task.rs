@@ -34,15 +34,13 @@ pub struct ToolTask {
     pub active: [usize; MAX_ROWS],
     /// Controlled components of the rotation.
     ///
-    /// The number beside a component is the required rate of this component at a yaw rate of 1 rad/s. The yaw
-    /// rate is the rate of the azimuth from which the attitude is measured.
-    /// Only the first `rows - 3` entries count.
+    /// Each number is the required rate of its component if the reference azimuth ([`Inverse::heading`])
+    /// rotates at 1 rad/s. Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
-    /// Whether the attitude is measured from the direction of the target as seen from the base axis. If not,
-    /// the attitude is measured from the surface.
+    /// Whether the reference azimuth ([`Inverse::heading`]) is the direction from the base axis to the
+    /// target. Otherwise, this azimuth is fixed in the surface.
     pub radial: bool,
-    /// Whether the tool keeps its whole orientation relative to the azimuth from which the attitude is
-    /// measured.
+    /// Whether the tool keeps its whole orientation relative to the reference azimuth ([`Inverse::heading`]).
     pub keeps_orientation: bool,
 }
 

@@ -22,7 +22,8 @@ impl ErrorPropagation<'_> {
     /// Computes the first-order effects of the error sources on the TCP at a posture. The effects are
     /// relative to the equipment on which the robot works.
     ///
-    /// If the operation places a picked part, the effects are also relative to the pick.
+    /// If the operation places a picked part, the effects at the pick are rotated with the part and
+    /// subtracted.
     pub fn effects(
         &self,
         context: &WorkContext,
@@ -38,8 +39,8 @@ impl ErrorPropagation<'_> {
         }
     }
 
-    /// Computes the first-order effects of the error sources on the TCP, relative to a work frame. A pick is
-    /// ignored.
+    /// Computes the first-order effects of the error sources on the TCP, relative to a work frame. The
+    /// effects at a pick are not subtracted.
     pub fn effects_at(
         &self,
         site: &WorkFrame,
@@ -73,7 +74,8 @@ impl ErrorPropagation<'_> {
 
     /// Returns the error of a sample at a posture, relative to the equipment on which the robot works.
     ///
-    /// If the operation places a picked part, the error is also relative to the pick.
+    /// If the operation places a picked part, the error includes the displacement of the part in the gripper.
+    /// The error at the pick causes this displacement.
     ///
     /// Do not call this function for the linear model; the errors of that model are sums of
     /// [`Self::effects`].
@@ -128,7 +130,7 @@ pub struct PreparedSample {
 }
 
 impl PreparedSample {
-    /// Returns the errors of the robot.
+    /// Returns the parameter errors of the robot in this sample.
     pub fn errors(&self) -> &Perturbation {
         &self.errors
     }

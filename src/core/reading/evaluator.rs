@@ -174,7 +174,7 @@ impl ErrorEvaluator {
 
     /// Returns the pick of a part at the posture with the link frames `frames`.
     ///
-    /// The result includes the effects of errors on the pick.
+    /// The result includes the first-order effects of the error sources at this posture.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);
@@ -230,7 +230,8 @@ impl ErrorEvaluator {
     /// In the plain case, the reading is signed, the model is nonlinear, and the sense measures the TCP
     /// position. Only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors. [`Self::value`] is then the root sum square of the nonlinear position error's components along
-    /// these rows. This result depends on the context only through the rotation [`WorkFrame::world`].
+    /// these rows. The rotation [`WorkFrame::world`] is the only part of the [`WorkContext`] that affects
+    /// this result.
     pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
         let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
         let is_plain = signed && self.alone && self.sense.is_of_position();

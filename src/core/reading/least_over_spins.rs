@@ -22,9 +22,8 @@ impl ErrorEvaluator {
         matches!(self.spin_bound, Some(SpinBound::Signed(_)))
     }
 
-    /// Returns whether one evaluation of [`Self::value`] replaces the bounds over rotations of the tool by
-    /// the last joint. The value is then the same after every such rotation. One evaluation takes less
-    /// computing time than one bound per rotation.
+    /// Returns whether the reading is statistical and [`Self::value`] is the same after every rotation by the
+    /// last joint. One evaluation of the value then takes less computing time than one bound per rotation.
     pub fn has_one_value_over_spins(&self) -> bool {
         self.ignores_spin() && self.reading == Reading::Statistical
     }

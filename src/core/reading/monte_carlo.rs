@@ -159,7 +159,7 @@ pub struct SampledPosture<'a> {
 /// Estimates for several operations of one cell, from the same samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointSamples {
-    /// Estimates of each operation alone.
+    /// Estimates for each operation alone.
     pub operations: Vec<MonteCarlo>,
     /// Probability that every operation with a limit stays within its limit; None if no operation has a
     /// limit.
@@ -286,8 +286,9 @@ impl SampledPosture<'_> {
 /// Returns the share of `count` among `samples` independent samples, with Wilson's 95 % score interval.
 ///
 /// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
-/// has a positive width even at a share of 0 or 1, where replicates do not scatter (E. B. Wilson, "Probable
-/// inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
+/// has a positive width even at a share of 0 or 1, at which repeated samplings do not scatter (E. B. Wilson,
+/// "Probable inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22,
+/// 1927).
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

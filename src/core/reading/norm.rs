@@ -102,9 +102,9 @@ impl NormDistribution {
     /// Returns a lower bound of `quantile(p)` in almost no computing time; 0 unless all parameters are
     /// normal.
     ///
-    /// The bound is the quantile of the absolute value of the component with the largest variance, computed
-    /// for zero mean. No component exceeds the norm, and a mean only enlarges the quantile of a component.
-    /// Callers can use this bound to discard postures before they compute the exact quantile.
+    /// Let `c` be the component of `e` along the axis of largest variance, computed with mean 0. The bound is
+    /// the quantile of `|c|`. No component exceeds the norm, and a mean only enlarges the quantile of a
+    /// component. Callers can use this bound to discard postures before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {

@@ -11,7 +11,7 @@ use crate::low_discrepancy::richtmyer_steps;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Parameters of a cell that are drawn together, each once per draw.
+/// Error parameters of a cell. One random draw gives one value to each of them.
 pub struct SampleSpace {
     list: Vec<ErrorSource>,
     /// Independent normal factors of correlated parameters, as in [`ErrorSources::factors`].

@@ -5,7 +5,8 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Rows of a sense in the base frame, and the point whose error they measure.
+/// Rows of a sense, and the point whose error they measure. A row is a weighted direction in the base frame,
+/// along which the error is measured.
 #[derive(Debug, Clone, Copy)]
 pub struct SenseRows {
     /// Vector from the TCP to the point whose error the sense measures, base frame, m.
@@ -37,8 +38,8 @@ impl SenseRows {
         self.count
     }
 
-    /// Returns the first three directions as the rows of a matrix; unused rows are 0. The result is valid only
-    /// if all rows measure the position of the TCP.
+    /// Returns a matrix with the directions of the first three rows of the sense; unused rows of the matrix
+    /// are 0. The result is valid only if all rows measure the position of the TCP.
     pub fn position_rows(&self) -> Matrix3<f64> {
         let [a, b, c] = [0, 1, 2].map(|k| self.rows[k].1.transpose());
         Matrix3::from_rows(&[a, b, c])

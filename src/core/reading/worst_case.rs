@@ -13,7 +13,7 @@ pub struct WorstCase {
     /// Whether `linear` is the exact maximum. If the error has more than three components in the sense and
     /// there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Largest error under the chosen model that the local search finds; equal to `linear` for the linear
+    /// Largest error that the local search finds with the chosen model; equal to `linear` for the linear
     /// model.
     pub by_model: f64,
     /// Corner of the tolerance box with the error `by_model`, one sign per source.

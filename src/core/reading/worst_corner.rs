@@ -56,8 +56,8 @@ impl ErrorEvaluator {
         (worst, is_complete)
     }
 
-    /// Converts a corner of the local search to signs of the sources. The local search also gives a sign to
-    /// the mean of the sources. If this sign is -1, the function reverses all signs.
+    /// Converts a corner of the local search to signs of the sources. The local search treats the mean error
+    /// as one more source with a sign. If this sign is -1, the function reverses all signs.
     pub fn signs_of_sources(&self, signs: &[f64; MAX_SOURCES]) -> [f64; MAX_SOURCES] {
         if self.is_reversed(signs) { signs.map(|sign| -sign) } else { *signs }
     }

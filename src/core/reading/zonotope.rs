@@ -2,9 +2,9 @@
 //!
 //! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
-//! The maximum is the largest sum of effects if each source may take either end of its tolerance. If a vertex
-//! is farthest, the direction from the origin to this vertex lies in the normal cone of the vertex. The
-//! planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
+//! The maximum is the largest size of the summed effects if each source is at one end of its tolerance. If a
+//! vertex is farthest, the direction from the origin to this vertex lies in the normal cone of the vertex.
+//! The planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
 //! suffices to visit every cell:
 //!
 //! - 2-D: a direction rotates by half a turn, and the signs flip one after another in the order of the
@@ -14,9 +14,10 @@
 //!   generator lies in one plane or along its normal. Then a 2-D walk in this plane suffices.
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
-//! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
-//! rounding never produce a false maximum. The returned value is computed from the returned signs. Squares
-//! must neither overflow nor underflow: the sizes of generators must be between 1e-150 and 1e150.
+//! If there are only a few generators, all corners are tried (`sign_table`). Every candidate is a true
+//! corner, so ties and rounding never produce a false maximum. The returned value is computed from the
+//! returned signs. Squares must neither overflow nor underflow: the sizes of generators must be between
+//! 1e-150 and 1e150.
 
 mod branch_and_bound;
 mod circle_walk;
@@ -46,7 +47,7 @@ const PERPENDICULAR: f64 = 1e-14;
 
 /// Working memory of the functions `farthest_2` to `farthest_6`; its content does not affect results.
 ///
-/// Each part is a box that holds tens of kilobytes on the heap. So moving this value copies only pointers.
+/// Each part is a [`Box`] with tens of kilobytes on the heap, so a move of this value copies only pointers.
 #[derive(Default)]
 pub struct ZonotopeScratch {
     walk: Box<CircleWalk>,

@@ -8,14 +8,14 @@ use crate::layout::Workcell;
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.
     pub fine_mm: f64,
-    /// Least number of spacings of the coarse lattice along the longer side of the rectangle to search. If
-    /// the fine lattice has fewer spacings, the coarse lattice equals the fine lattice.
+    /// Least number of coarse-lattice spacings along the longer side of the searched rectangle. If the fine
+    /// lattice has fewer spacings, the coarse lattice equals the fine lattice.
     pub divisions: f64,
     /// Step of a scan of the yaw, degrees.
     pub scan_deg: f64,
     /// Number of directions in which the room is checked.
     pub directions: usize,
-    /// Number of directions in which an estimate of the room displaces the piece.
+    /// Number of directions in which the piece is displaced to estimate its room.
     pub estimated: usize,
     /// Largest number of layouts that a search evaluates to find a layout with a large room.
     pub evaluations: u64,
@@ -49,7 +49,7 @@ impl RegionEffort {
     /// known posture at a neighbouring target.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
-    /// Returns whether the check of a placement takes milliseconds.
+    /// Returns whether the check of a placement takes milliseconds, not microseconds.
     pub fn is_dear(&self) -> bool {
         self.fine_mm > Self::LOW.fine_mm
     }

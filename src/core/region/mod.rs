@@ -85,11 +85,11 @@ pub struct Region {
     /// may vary ([`Self::room`]), the ring is a line of two points. The list is empty if neither x nor y may
     /// vary.
     pub rings: Vec<Vec<PlanePoint>>,
-    /// Interval of z (world frame, m) around the found value in which the piece remains in its region. No
-    /// other coordinate changes.
+    /// Interval of z (world frame, m) around the found value. The piece remains in its region everywhere in
+    /// this interval if no other coordinate changes.
     pub z: (f64, f64),
-    /// Interval of the yaw (world frame, rad) around the found value in which the piece remains in its
-    /// region. No other coordinate changes.
+    /// Interval of the yaw (world frame, rad) around the found value. The piece remains in its region
+    /// everywhere in this interval if no other coordinate changes.
     pub yaw: (f64, f64),
     /// Largest distance, m, by which the piece may be displaced in every direction in plan. If only x or only
     /// y may vary, only the two directions along this axis count. None if neither x nor y may vary.
@@ -100,8 +100,8 @@ pub struct Region {
     /// Largest angle, rad, by which the piece may be rotated in both directions; None if the yaw may not vary
     /// ([`Self::room`]).
     pub turn: Option<f64>,
-    /// Reason that limits [`Self::room`], or [`Self::turn`] if neither x nor y may vary. If only z may vary,
-    /// the value is [`RoomEnd::Range`].
+    /// Reason why [`Self::room`] is not larger. If neither x nor y may vary, this is the reason why
+    /// [`Self::turn`] is not larger. If only z may vary, the value is [`RoomEnd::Range`].
     pub ended: RoomEnd,
     /// Width of the rim, m: a zone along the outline in which details of the region may be missed.
     pub rim: f64,

@@ -21,8 +21,8 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason that limits the rotation in the direction that permits the smaller angle. If both angles are
-    /// equal, the reason belongs to the negative direction.
+    /// Reason why the rotation cannot continue in the direction with the smaller angle. If both angles have
+    /// the same size, the reason belongs to the negative direction.
     pub ended: RoomEnd,
 }
 

@@ -14,7 +14,8 @@ use crate::layout::Workcell;
 use crate::units::rounded;
 use serde::{Deserialize, Serialize};
 
-/// Result of one island. Floating-point numbers must be stored without rounding.
+/// Result of one island: one of several searches that differ only in their seeds. Floating-point numbers must
+/// be stored without rounding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Island {
@@ -46,7 +47,7 @@ pub struct IslandLayout {
 }
 
 impl Island {
-    /// Returns the island for the result of a search with these settings.
+    /// Converts the result of a search to an island; `settings` are the settings of this search.
     pub fn new(settings: &SearchSettings, record: &SearchRecord) -> Self {
         let loss = |goal: Goal, values: &[f64]| {
             let value = Goal::ALL.iter().position(|g| *g == goal).and_then(|k| values.get(k));

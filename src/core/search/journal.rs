@@ -60,7 +60,8 @@ impl Checkpoint {
         self.record.evaluations + (self.explored.len() + self.polished.len()) as u64
     }
 
-    /// Returns the Pareto front at the start of the current run; None unless the search is a Pareto search.
+    /// Returns the Pareto front at the start of the solver's current run; None unless the search is a Pareto
+    /// search.
     pub fn front(&self) -> Option<&ParetoFront> {
         self.record.front.as_ref()
     }

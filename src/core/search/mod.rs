@@ -13,8 +13,9 @@
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
-//! At the end, a search for one layout selects a layout with much room among the layouts with nearly the
-//! least objective. This phase evaluates further layouts; their number is at most a quarter of the budget.
+//! A search without Pareto goals ends with a further phase. This phase selects a layout with much room among
+//! the layouts with nearly the least objective. The phase evaluates layouts in addition to the budget; their
+//! number is at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
 

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 /// Largest number of members. If there are more, the most crowded member is dropped.
 pub const MAX_MEMBERS: usize = 200;
 
-/// Least difference of a coordinate that makes two points of the unit cube different layouts.
+/// Least difference of a coordinate at which two points of the unit cube count as different layouts.
 ///
-/// The difference is a share of the range of the coordinate, or of the number of listed values.
+/// The difference of a coordinate is a share of its range. For listed values, the share is the difference of
+/// the list indices divided by the number of values.
 pub const DIFFERENT: f64 = 0.01;
 
 /// Member of a Pareto front: a point of the unit cube with the losses of the goals.

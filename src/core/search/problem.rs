@@ -56,9 +56,9 @@ pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
 /// Cost function on the unit cube, with a budget of evaluations.
 ///
-/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. A returned
-/// error would stop the solvers, too, but the Nelder-Mead solver of argmin panics on an error. The record
-/// keeps the best layouts.
+/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. The
+/// function returns no error for this purpose, because the Nelder-Mead solver of argmin panics on an error.
+/// The record keeps the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,

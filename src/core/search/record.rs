@@ -60,8 +60,7 @@ pub struct Record {
     /// Number of evaluations and objective (m, rad, a share or a cost) at each improvement of the best
     /// feasible layout.
     pub trace: Vec<(u64, f64)>,
-    /// Length of the longest series of evaluations so far without significant improvement, updated after each
-    /// batch.
+    /// Greatest number of consecutive evaluations without significant improvement, updated after each batch.
     pub stillness: u64,
     /// Number of evaluations and cost at the last significant improvement.
     ///

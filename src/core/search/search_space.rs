@@ -43,8 +43,8 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the point of the unit cube that represents the layout at `point`. All points with the same
-    /// layout give the same result.
+    /// Moves `point` to the standard point of its layout in the unit cube. All points with the same layout
+    /// give the same result.
     ///
     /// A variable with a range takes the position of its rounded value. A variable with listed values takes
     /// the middle of the interval that represents its value.

@@ -20,7 +20,7 @@ const POLISH_PART: f64 = 0.3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {
-    /// The budget was used up, or the polish converged.
+    /// The budget was used up, or the final refinement converged.
     Done,
     /// The best layout is within the requested gap to the proven bound.
     Gap,
@@ -57,7 +57,7 @@ impl SearchEnd {
     /// Describes how the search ended.
     pub fn in_words(self) -> &'static str {
         match self {
-            SearchEnd::Done => "the budget is used up, or the polish has converged",
+            SearchEnd::Done => "the budget is used up, or the final refinement has converged",
             SearchEnd::Gap => "the best layout is within the requested gap to the bound",
             SearchEnd::Stagnation => "no better layout was found for the requested number of evaluations",
             SearchEnd::Interrupted => "interrupted",

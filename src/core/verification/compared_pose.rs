@@ -16,8 +16,8 @@ pub struct ComparedPose {
     pub nominal: Vector3<f64>,
     /// Measured minus nominal position, base frame, m.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, base frame, m. The fit of base and reflectors absorbs a part of
-    /// this error, so that part is removed.
+    /// Predicted mean of the measured error, base frame, m. The part of this error that the fit of base and
+    /// reflectors absorbs is removed.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error, m. In the signed reading, this is the length of [`Self::predicted`]. In
     /// the other readings, this is the root mean square of the error, deviations included.
@@ -25,8 +25,8 @@ pub struct ComparedPose {
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are
     /// predicted.
     ///
-    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
-    /// reflectors absorbs a part of them.
+    /// Each parameter deviates by the same amount at all poses, because all poses belong to one arm. The
+    /// ellipsoid excludes the part of the error that the fit of base and reflectors absorbs.
     pub is_inside: Option<bool>,
     /// Whether the measured error is inside a second 95 % ellipsoid. This ellipsoid follows from deviations
     /// that change from pose to pose. None unless the error set comes from measurements.

@@ -36,8 +36,8 @@ pub struct MeasuredComparison {
     /// The covariance of a calibration contains the misfit of the calibrated model. This misfit changes with
     /// the posture.
     pub coverage_varying: Option<f64>,
-    /// Spearman correlation of predicted and measured sizes over all poses; None if all sizes of one kind are
-    /// equal.
+    /// Spearman correlation of predicted and measured sizes over all poses; None if all predicted sizes are
+    /// equal, or all measured sizes.
     pub correlation: Option<f64>,
     pub ranking: SpotRanking,
     /// Repeated postures; None if no posture was visited twice.
@@ -45,8 +45,8 @@ pub struct MeasuredComparison {
 }
 
 impl MeasuredComparison {
-    /// Compares a session with predicted errors. A spot holds poses whose command positions are within `spot`
-    /// (m) of its first pose along every axis.
+    /// Compares a session with predicted errors. In each spot, every command position is within `spot` (m) of
+    /// the first one along every axis.
     ///
     /// # Errors
     /// Returns the reason why base and reflectors cannot be fitted.

@@ -12,8 +12,8 @@
 //! ```
 //!
 //! Here C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of
-//! the fitted frames on position i. The matrix K maps errors of the parameters to the changes of the frames
-//! in the least-squares fit. The standard deviation of the measurement is `s_i`.
+//! the fitted base and reflectors on position i. The matrix K maps errors of the parameters to the changes of
+//! base and reflectors by which the fit absorbs them. The standard deviation of the measurement is `s_i`.
 
 mod clusters;
 mod compared_pose;

@@ -67,7 +67,8 @@ impl Repeatability {
     }
 }
 
-/// Returns `AP_p` and `RP_l` of errors from the command position, m; None for fewer than two visits.
+/// Returns `AP_p` and `RP_l`, m, given the errors relative to the command position; None for fewer than two
+/// visits.
 ///
 /// ```text
 /// AP_p = |c|                    c   = mean of the errors x_j

@@ -23,8 +23,8 @@ pub struct MeasuredSpot {
 pub struct SpotRanking {
     /// Spots in the order of their first poses.
     pub spots: Vec<MeasuredSpot>,
-    /// Spearman correlation of predicted and measured errors over all spots; None if all errors of one kind
-    /// are equal.
+    /// Spearman correlation of predicted and measured errors over all spots; None if all predicted errors are
+    /// equal, or all measured errors.
     pub correlation: Option<f64>,
     /// Spot with the least predicted error.
     pub chosen: MeasuredSpot,

@@ -192,8 +192,8 @@ impl Outlines {
         if let Some((k, j)) = nested {
             let (inner, outer) = (&self.found[k], &self.found[j]);
             let message = format!(
-                "layer `{}`: an outline lies within the outline of layer `{}` in line {}; the whole \
-                area of that outline is solid",
+                "layer `{}`: an outline lies within the outline of layer `{}` at line {}; the whole \
+                area within the outer outline is solid",
                 shown(&inner.layer),
                 shown(&outer.layer),
                 outer.line + 1

@@ -31,7 +31,11 @@ impl GroupCode<'_> {
     pub fn number(&self) -> Result<f64, DxfFault> {
         let number = self.value.parse::<f64>().ok().filter(|v| v.abs() <= MAX_NUMBER);
         number.ok_or_else(|| {
-            let message = format!("group {} needs a number, not `{}`", self.code, shown(self.value));
+            let message = format!(
+                "the value of group code {} must be a number, not `{}`",
+                self.code,
+                shown(self.value)
+            );
             DxfFault::new(self.line, message, DAMAGED)
         })
     }
@@ -39,7 +43,11 @@ impl GroupCode<'_> {
     /// Returns the value as a whole number; fails if the value is not a whole number.
     pub fn whole(&self) -> Result<i64, DxfFault> {
         self.value.parse().map_err(|_| {
-            let message = format!("group {} needs a whole number, not `{}`", self.code, shown(self.value));
+            let message = format!(
+                "the value of group code {} must be a whole number, not `{}`",
+                self.code,
+                shown(self.value)
+            );
             DxfFault::new(self.line, message, DAMAGED)
         })
     }

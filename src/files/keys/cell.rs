@@ -31,9 +31,9 @@ key_table! {
     search, "search settings", "Settings of the search for a layout.", {
         SOLVER = word::<Solver>("solver", "Global solver that searches for the best layout.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "Objective: how the weighted errors of the operations are combined into one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
-        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into fixed steps of this relative width: a later operation decides only if the earlier values lie in the same steps.").default(Literal::Number(1.0));
+        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into fixed steps of this relative width. The next operation decides between two layouts only if their values for every earlier operation lie in the same step.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
-        SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
+        SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives identical results.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
         RESOLUTION_MM = number("resolution_mm", NumberRange::Positive, "Placements that the search finds are multiples of this length. If left out, it is 1, or 0.001 with `ideal`.").example("1");
         RESOLUTION_DEG = number("resolution_deg", NumberRange::Positive, "Angles that the search finds are multiples of this angle. If left out, it is 0.1, or 0.0001 with `ideal`.").example("0.1");
@@ -78,7 +78,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height or in plan, in the direction of a side of one of them. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
+        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must have this distance in height, or in plan along a side of one of the two. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world frame.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");

@@ -20,7 +20,7 @@ key_table! {
         CHECK = boolean("check", true, "Whether the motions from operation to operation, and from point to point, are checked for collision.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
         VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, MANY), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
-        CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked, too.");
+        CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked.");
     }
 }
 

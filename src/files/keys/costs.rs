@@ -58,7 +58,7 @@ key_table! {
         RANGE = Key::new("scale_range", ValueKind::List(&POSITIVE, (2, 2), "numbers"), "Least and greatest scale that can be ordered, from 0.01 to 100; if left out, [0.1, 3].").example("[0.1, 3]");
         GRADES = Key::new("grades", ValueKind::List(&ValueKind::Table(&tolerance_grade::TABLE), (1, 32), "grades"), "Grades to choose from.").example("[{ name = \"milled\", scale = 1, cost = 1 }, { name = \"ground\", scale = 0.5, cost = 4 }]");
         NOMINAL = number("nominal_mm", NumberRange::Positive, "Nominal size that determines the grades of ISO 286, at most 3150.").example("400");
-        IT_GRADES = Key::new("it_grades", ValueKind::List(&ValueKind::Whole(FIRST_IT_GRADE as u64, LAST_IT_GRADE as u64), (1, LAST_IT_GRADE - FIRST_IT_GRADE + 1), "grades"), "Grades of ISO 286 to choose from, IT4 to IT14; the tolerance is half of the grade. If left out, IT5 to IT12.").example("[6, 7, 8, 9]");
+        IT_GRADES = Key::new("it_grades", ValueKind::List(&ValueKind::Whole(FIRST_IT_GRADE as u64, LAST_IT_GRADE as u64), (1, LAST_IT_GRADE - FIRST_IT_GRADE + 1), "grades"), "Grades of ISO 286 to choose from, IT4 to IT14; the tolerance is half of the interval that the grade allows. If left out, IT5 to IT12.").example("[6, 7, 8, 9]");
     }
     rules [
         Rule::When { key: "kind", words: reciprocal, needs: &[], never: &["rate", "grades", "nominal_mm", "it_grades"] },

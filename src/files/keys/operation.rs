@@ -18,7 +18,8 @@ pub const MAX_TOLERANCE: f64 = 45.0;
 /// Longest time of an operation at its spot, s: a day.
 const MAX_DWELL: f64 = 86_400.0;
 
-/// Largest elevation of the tool axis, up or down, degrees. Beyond 90 degrees the tool leans back.
+/// Largest elevation of the tool axis, up or down, degrees. Beyond 90 degrees, the horizontal direction of
+/// the tool axis is opposite to the azimuth.
 pub const MAX_BEND: f64 = 135.0;
 
 /// Returns the names of the built-in senses: each alone, and each followed by `@` and the name of a frame.
@@ -77,7 +78,7 @@ key_table! {
         DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Duration of the operation at its spot, or at every listed point, with the robot at rest. The duration is part of the cycle time.");
         LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Maximum speed of the TCP on the approach and the retract, for example during an insertion; if left out, only the joints limit the speed.").example("50");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));
-        HELD = table("held", &held::TABLE, "Part that the robot holds at the operation. The part is checked for collision, too.");
+        HELD = table("held", &held::TABLE, "Part that the robot holds at the operation. Collision checks include the part.");
     }
     rules [
         Rule::When { key: "sense", words: rotations, needs: &[], never: &["limit_mm"] },

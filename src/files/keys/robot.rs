@@ -131,7 +131,7 @@ key_table! {
 }
 
 key_table! {
-    held, "`held`", "Part that the robot holds at an operation. The part is checked for collision, too.", {
+    held, "`held`", "Part that the robot holds at an operation. Collision checks include the part.", {
         SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required_unless("mass_kg").remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
         MASS = super::MASS_OF_TOOL;
         CENTRE = vector_or_zero("centre_mm", "Centre of mass of the part, in the frame of the TCP.");

@@ -114,7 +114,7 @@ key_table! {
     refused [Refused {
         name: "leg",
         message: "only a solid of equipment or of an obstacle can be a leg",
-        remedy: "give it one of: box, sphere, capsule, cylinder, mesh",
+        remedy: "give the solid one of the shapes box, sphere, capsule, cylinder, mesh",
     }];
 }
 

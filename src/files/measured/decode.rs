@@ -1,10 +1,10 @@
-//! Decoder of data files: UTF-8, UTF-16 and Windows-1252.
+//! Decoder of data files: UTF-8, UTF-16 and ISO 8859-1.
 
-/// Returns the text of a data file without byte order mark.
+/// Decodes a data file, and removes the byte order mark.
 ///
-/// A byte order mark, or a zero in every second byte, identifies UTF-16. Bytes that are not UTF-8 are read as
-/// Windows-1252, the encoding of old spreadsheets. Only the degree sign and the umlauts of this encoding
-/// matter here.
+/// A byte order mark, or a zero in every second byte, identifies UTF-16. If a file is neither UTF-16 nor
+/// UTF-8, each byte is one character (ISO 8859-1). In Windows-1252, the encoding of old spreadsheets, degree
+/// sign and umlauts have the same bytes.
 ///
 /// # Errors
 ///

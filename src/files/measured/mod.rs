@@ -35,7 +35,7 @@ pub struct MeasuredTable {
     /// Names of the columns of the uncertainty, and the coverage factor (number of standard deviations) of
     /// its values.
     pub uncertainty: Option<(Vec<String>, f64)>,
-    /// Names of the reflectors. The only name is empty if the table names no reflector.
+    /// Names of the reflectors. If the table names no reflector, the list holds one empty name.
     pub reflectors: Vec<String>,
     /// Unit of the joint angles, if the column names or a line of units state it.
     pub angle_unit: Option<StatedUnit>,

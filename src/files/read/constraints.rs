@@ -123,7 +123,7 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
         t.error(
             items[(k + 1) % n].at,
             message,
-            "remove one of the two: the last corner is joined to the first",
+            "remove one of the two corners; the fence closes without a repeated first corner",
         );
         return None;
     }

@@ -166,7 +166,8 @@ fn read_nominal(t: &mut Table) -> Option<f64> {
     if nominal <= MAX_NOMINAL_MM * (1.0 + 1e-12) {
         return Some(nominal.min(MAX_NOMINAL_MM));
     }
-    let message = format!("ISO 286 has grades up to {MAX_NOMINAL_MM} mm, not for {} mm", plain(nominal));
+    let message =
+        format!("ISO 286 states grades for sizes up to {MAX_NOMINAL_MM} mm, not for {} mm", plain(nominal));
     t.error(node.at, message, "use kind = \"grades\" with the tolerances of your processes");
     None
 }
@@ -211,7 +212,7 @@ fn read_names(items: &[Node], parameters: &[CostedParameter], t: &mut Table) -> 
         };
         if parameters[place].plus_minus <= 0.0 {
             let message = format!("`{name}` has no plus-or-minus value above 0, so it has no cost");
-            t.error(item.at, message, "leave it out, or give it a plus-or-minus value");
+            t.error(item.at, message, "leave out this name, or give the parameter a plus-or-minus value");
         } else if places.contains(&place) {
             t.error(item.at, format!("`{name}` is named twice"), "remove one of the two");
         }
@@ -267,8 +268,11 @@ impl StatedLaw {
                             CostedUnit::Angle => "plus_minus_deg",
                             CostedUnit::Deflection => "scale",
                         };
-                        let message = format!("the grade `{}` does not suit `{name}`", shown(&grade.name));
-                        t.error(grade.at, message, format!("give its tolerance as {key}"));
+                        let message = format!(
+                            "the tolerance of the grade `{}` is not in the unit of `{name}`",
+                            shown(&grade.name)
+                        );
+                        t.error(grade.at, message, format!("state the tolerance of the grade as {key}"));
                         return None;
                     }
                     let scale = grade.unit.map_or(grade.size, |_| grade.size / plus_minus);

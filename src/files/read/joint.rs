@@ -108,7 +108,7 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
         t.error(
             row.at,
             message,
-            "row i has the factors of the actuators in joint coordinate i: 1 for actuator i, 0 for later actuators",
+            "row i lists the factor of every actuator in D-H coordinate i: 1 for actuator i, 0 for later actuators",
         );
     }
     Some(values)

@@ -164,7 +164,7 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
                 at,
                 Severity::Warning,
                 message,
-                "its z_mm is the height of its frame above that surface",
+                "z_mm is the height of the frame of the carried equipment above the surface of its carrier",
             );
         }
         let top = under.surface.unwrap_or(under.footprint);

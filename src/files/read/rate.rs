@@ -77,7 +77,7 @@ fn read_rate(t: &mut Table, of: &Joint) -> RateLimits {
     };
     for (other, key) in others.into_iter().zip(keys) {
         if let Some(node) = t.get(other) {
-            let message = format!("joint `{name}` {verb}: it has no `{}`", other.name);
+            let message = format!("joint `{name}` {verb}, so `{}` does not apply to it", other.name);
             t.error(node.at, message, format!("write {}", key.name));
         }
     }

@@ -10,7 +10,7 @@ use crate::files::toml::tree::{At, Node};
 use crate::files::toml::value;
 use nalgebra::Vector3;
 
-const ROWS_OF: &str = "a term with rotation or xyz has 3 rows, a term with xy or a plane has 2, and any \
+const ROWS_OF: &str = "a term with rotation or xyz has 3 components, a term with xy or a plane has 2, and any \
 other term has 1";
 
 /// Reads every `[sense.NAME]`.
@@ -36,12 +36,13 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     }?;
     let rows: usize = terms.iter().map(|term: &Term| term.rows.len()).sum();
     if rows > MAX_ROWS {
-        let message = format!("the sense has {rows} rows, more than {MAX_ROWS}");
+        let message = format!("the sense has {rows} components, but at most {MAX_ROWS} are possible");
         t.error(t.at, message, ROWS_OF);
     }
     let unit = unit_of(&terms);
     for term in terms.iter().filter(|term| unit == Unit::Length && term.lever.is_none() && term.turns()) {
-        let help = "add mm_per_deg, the length in mm that counts as much as one degree, in place of a weight";
+        let help =
+            "add mm_per_deg, the length in mm that counts as much as one degree; mm_per_deg replaces weight";
         t.error(term.at, "a rotation cannot be added to lengths", help);
     }
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))

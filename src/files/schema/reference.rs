@@ -10,8 +10,10 @@ pub fn reference(kind: FileKind) -> String {
     let name = kind.name();
     let _ = writeln!(document.text, "# Keys of {name} files\n");
     let _ = writeln!(document.text, "A file is TOML and begins with `schema = \"sweetspot/{name}/1\"` and");
-    let _ =
-        writeln!(document.text, "`units = {{ length = \"mm\", angle = \"deg\" }}`. Other keys are refused.");
+    let _ = writeln!(
+        document.text,
+        "`units = {{ length = \"mm\", angle = \"deg\" }}`. Keys that this page does not list are refused."
+    );
     document.find(kind.keys(), "Top of the file");
     let mut at = 0;
     while let Some((table, place)) = document.next.get(at).cloned() {

@@ -41,7 +41,7 @@ impl Setting {
         Self { flag: Some(flag.to_string()), ..Self::new(path, value) }
     }
 
-    /// Returns the setting of a flag that gives `key` the value `value` (TOML) in every operation.
+    /// Returns the setting of the flag `flag`: `key` gets the value `value` (TOML) in every operation.
     pub fn of_every_operation(flag: &str, key: &str, value: impl Into<String>) -> Self {
         Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
     }
@@ -102,7 +102,7 @@ impl Choices {
             return fault("the text before the = is not the path of a key", help);
         }
         if keys == ["from"] {
-            return fault("the cell file itself cannot be changed", "run a sweep for each cell file");
+            return fault("a sweep cannot set the key `from` of the cell", "run a sweep for each cell file");
         }
         let values: Vec<_> = parted(values, ',', usize::MAX).iter().map(|v| v.trim().to_string()).collect();
         if values.iter().any(String::is_empty) {

@@ -4,6 +4,7 @@
 //! value, and [`super::reader`] reads it.
 
 use super::nesting::too_deep;
+use super::setting::toml_string;
 use crate::files::fault::shown;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -200,6 +201,21 @@ impl Reader {
         };
         Node { at, value }
     }
+}
+
+/// Returns the dotted keys that lead from `entries` to the value at a place; None if no value is there.
+pub fn path_to(entries: &[Entry], at: At) -> Option<String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    entries.iter().find_map(|(key, _, node)| {
+        let below = || match &node.value {
+            Value::Array(items) => items.iter().find_map(|item| path_to(item.value.entries(), at)),
+            value => path_to(value.entries(), at),
+        };
+        let rest = if node.at == at { String::new() } else { format!(".{}", below()?) };
+        let is_bare = !key.is_empty() && key.chars().all(is_plain);
+        let key = if is_bare { key.clone() } else { shown(&toml_string(key)) };
+        Some(key + &rest)
+    })
 }
 
 /// Merges `own` over `under`: keys of `own` override equal keys of `under`. Tables in both are merged, but

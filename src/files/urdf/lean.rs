@@ -8,11 +8,11 @@ use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Copies the parts of a URDF that are used.
+/// Copies the links in `outline.links`, and the joints between these links, from a URDF.
 ///
-/// `meshes` gives new paths. The shape of a mesh without a new path is left out. Angles that plainly mean
-/// right angles are written with all digits. Continuous joints get the limits that the reader assumes for
-/// them. `about` becomes a comment.
+/// `meshes` gives new paths. The shape of a mesh without a new path is left out. If an angle is a rounded
+/// multiple of a right angle, the copy states the multiple with all digits. Continuous joints get the limits
+/// that the reader assumes for them. `about` becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,

@@ -264,9 +264,11 @@ pub fn warn_of_slants(
         } else {
             ("at right angles", String::new())
         };
-        let message =
-            format!("the axes of `{}` and `{}` are {what} except for {off:.1e} rad{so}", names.0, names.1);
-        let help = "if they are meant to be, write the angles with all digits: 1.5707963267948966";
+        let message = format!(
+            "the axes of `{}` and `{}` are almost {what}: the deviation is {off:.1e} rad{so}",
+            names.0, names.1
+        );
+        let help = "if the angle is meant to be exact, write it with all digits, such as 1.5707963267948966";
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
     }
     if derived.gap >= dh::MAX_EXACT_GAP || derived.gap.is_nan() {

@@ -85,8 +85,8 @@ pub fn parsed(file: usize, lib: &mut Library<'_>) -> Option<Urdf> {
     let urdf = urdf?;
     if count > 0 {
         let message = match count {
-            1 => "1 angle plainly means a right angle, and is read as a right angle".to_string(),
-            _ => format!("{count} angles plainly mean right angles, and are read as right angles"),
+            1 => "1 angle is a rounded right angle, and is read as an exact right angle".to_string(),
+            _ => format!("{count} angles are rounded right angles, and are read as exact right angles"),
         };
         let help =
             format!("the largest change is {largest:.1e} rad: 1.5708, for example, stands for 90 degrees");

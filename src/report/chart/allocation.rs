@@ -11,8 +11,9 @@ const ROW: f64 = 24.0;
 /// Largest number of tolerances that get a bar. The tolerances that change most get the bars.
 const BARS: usize = 24;
 
-/// Draws the scale of each tolerance as a bar that begins at 1, the present tolerance. The bar extends to the
-/// left if the tolerance must be tighter, and to the right if it may be looser.
+/// Draws the scales of the tolerances as bars. Each bar begins at the scale 1, which stands for the present
+/// tolerance. A bar extends to the left if the tolerance must be tighter, and to the right if it may be
+/// looser.
 pub fn allocation(d: &AllocationDocument) -> String {
     let mut canvas = ChartCanvas::new("Cheapest tolerances", &under(d));
     let mut bars: Vec<(&AllocatedEntry, f64)> =
@@ -41,7 +42,10 @@ pub fn allocation(d: &AllocationDocument) -> String {
     canvas.path(&format!("M{0:.1} {top:.1}V{bottom:.1}", x.at(1.0)), &Ink::Axis.line(1.0));
     canvas.y = bottom + 40.0;
     if d.parameters.len() > bars.len() {
-        canvas.paragraph(&format!("{} other tolerances change by less", d.parameters.len() - bars.len()));
+        canvas.paragraph(&format!(
+            "{} tolerances that change less are not shown",
+            d.parameters.len() - bars.len()
+        ));
     }
     canvas.finish()
 }

@@ -160,7 +160,7 @@ fn legend(course: &ConvergenceHistory<'_>) -> Vec<LegendEntry> {
     entries.extend(course.start.map(|_| entry(dot(Ink::Orange), "layout as drawn")));
     if course.bound.is_some() {
         entries.push(entry(line(&dashed()), "proven bound"));
-        entries.push(entry(ground, "gap: objectives not ruled out"));
+        entries.push(entry(ground, "gap: objectives that the bound does not rule out"));
     }
     entries
 }

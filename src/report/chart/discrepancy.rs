@@ -63,7 +63,7 @@ fn panel(canvas: &mut ChartCanvas, a: &Assessment<'_>, map: &OperationMap) {
     canvas.path(&format!("M{:.1} {one:.1}H{:.1}", x.px.0, x.px.1), &dashed);
     canvas.label((x.px.1 - 4.0, one - 5.0), Anchor::End, Ink::Vermilion, "1 %");
     canvas.path(&format!("M{:.1} {top:.1}V{2:.1}H{1:.1}", x.px.0, x.px.1, y.px.0), &Ink::Axis.line(1.0));
-    let thinned = if every > 1 { format!(", one of {every} drawn") } else { String::new() };
+    let thinned = if every > 1 { format!(", one in {every} drawn") } else { String::new() };
     let said = match all.len() {
         0 => "no usable node".to_string(),
         count => format!("{count} usable nodes{thinned}"),

@@ -30,7 +30,9 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let lens = ErrorView::of(plan.a.cell);
     let what = match lens.is_signed() {
         true => "error in x and y".to_string(),
-        false => format!("{} in x and y, drawn both ways along the worst-case error", lens.reading_word()),
+        false => {
+            format!("{} in x and y, drawn in both directions of the worst-case error", lens.reading_word())
+        }
     };
     let canvas = &mut plan.canvas;
     canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));

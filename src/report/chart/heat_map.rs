@@ -132,12 +132,12 @@ impl<'a> HeatMap<'a> {
         let mut said = vec![format!("{} of {} nodes are usable{spans}", usable.count(), self.values.len())];
         if self.field.every > 1 {
             let every = self.field.every;
-            said.push(format!("not all nodes are drawn: one of {every} along each axis"));
+            said.push(format!("one in {every} nodes is drawn along each axis"));
         }
         if !self.scale.levels().is_empty() {
             let step = words::number(self.scale.step, self.scale.step);
             said.push(format!(
-                "iso-lines every {step} {word}; linear between nodes; the centre of a grid square has the mean of \
+                "iso-lines every {step} {word}, interpolated linearly; the centre of a grid square has the mean of \
                  its corners"
             ));
         }
@@ -277,7 +277,7 @@ impl<'a> HeatMap<'a> {
             is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
         let all = self.drawing.cell.operations[self.field.operation].over.needs_every_node();
-        let spot = if all { "worst node, which counts" } else { "chosen spot" };
+        let spot = if all { "worst node: value of the operation" } else { "chosen spot" };
         let spots = [
             entry(self.field.spot.is_some(), signs::spot(origin), spot),
             entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),

@@ -32,14 +32,18 @@ struct JointDot {
     table: usize,
 }
 
-/// Draws the distance of every measured position from the prediction over the coordinate of every joint.
+/// Draws one plot per joint: the distances of measured positions from their predictions, against the
+/// coordinate of the joint.
 ///
 /// A line joins the median distances in equally wide ranges of the coordinate.
 pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[FittedSession]) -> String {
     let count: usize = sessions.iter().map(|session| session.measured.len()).sum();
     let every = count.div_ceil(MAX_DOTS).max(1);
     let heading = format!("{}: residuals of the calibration", shown(&robot.name));
-    let mut under = vec!["distance of measured from predicted positions; the line joins medians".to_string()];
+    let mut under = vec![
+        "distance of measured from predicted positions; the line joins the medians of equally wide ranges"
+            .to_string(),
+    ];
     if every > 1 {
         under.push(format!("one in every {every} positions is drawn"));
     }

@@ -86,7 +86,7 @@ fn told(every: usize, has_direction: bool) -> Vec<String> {
             .to_string(),
     ];
     if every > 1 {
-        told.push(format!("one of {every} positions is drawn"));
+        told.push(format!("one in {every} positions is drawn"));
     }
     if !has_direction {
         told.push("tolerances predict sizes without directions, so no predicted arrows are drawn".into());

@@ -129,8 +129,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
 fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     let text = vec![
         "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \
-         least distance between the robot, with the part it holds, and other objects at the spots, or between two \
-         floor spaces. A clearance above 500 mm is shown as 500 mm."
+         least distance between the robot at the spots and other objects, or between two floor spaces. The robot \
+         includes the part that it holds. A clearance above 500 mm is shown as 500 mm."
             .to_string(),
     ];
     let mut section = Section::new("table", "In numbers", text);

@@ -48,8 +48,8 @@ pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFig
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
     let context = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
     let svg = raster::isometric(drawing, &Shot { context, width: 1200, height: 800, ..Shot::default() })?;
-    let caption = "Arrows show the errors, enlarged by the factor in the legend. The legend names the signs of unusable nodes; the \
-                   large ring marks the chosen spot.";
+    let caption = "Arrows show the errors, enlarged by the factor in the legend. The legend explains the symbols of \
+                   unusable nodes. The large ring marks the chosen spot.";
     Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
 }
 
@@ -151,7 +151,8 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
         let percent = rounded(percent_from_share(account.cut(t)), 1);
         let unit = account.unit();
         format!(
-            "Halving the tolerance of {name} lowers the figure from {} to {} ({percent:.1} % less).",
+            "Halving the tolerance of {name} lowers the combined effect of all parameters from {} to {} ({percent:.1} % \
+             less).",
             quantity(unit, account.figure),
             quantity(unit, t.figure)
         )
@@ -224,7 +225,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
             PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
                 .with_note(match skipped {
                     0 => String::new(),
-                    _ => format!("{skipped} improvements after the first are left out; search.json contains all improvements."),
+                    _ => format!("The table leaves out {skipped} improvements directly after the first. search.json contains all improvements."),
                 })
                 .folded(),
         );

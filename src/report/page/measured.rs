@@ -9,10 +9,10 @@ use crate::units::{percent_from_share, rounded};
 
 /// Returns the section on measured positions; empty if the report has none.
 pub fn section(subject: &Subject<'_>) -> Section {
-    let text = "An instrument has measured positions of this robot. The errors of the cell predict how \
-    far each measured \
-                position is from the nominal position. Base and reflectors are fitted with the nominal arm, \
-                and the part of the error that this fit absorbs is left out of the prediction, too.";
+    let text = "This section compares measured positions of this robot with the predicted errors. The errors of the \
+                cell predict how far each measured position is from the nominal position. Base and reflectors are \
+                fitted with the nominal arm. The measured and the predicted errors leave out the part that this fit \
+                absorbs.";
     let mut section = Section::new("measured", "Measured against predicted", vec![text.into()]);
     let files = &subject.measured;
     if files.is_empty() {
@@ -79,8 +79,8 @@ fn figures(files: &[ComparedFile]) -> PageTable {
     ];
     let note = "The rank correlation is Spearman's correlation of predicted and measured sizes. The column \"at best spot\" is the \
     measured error at \
-                the spot with the least predicted error. AP and RP are the largest of all repeated \
-                postures (ISO 9283).";
+                the spot with the least predicted error. AP and RP are the largest values over all \
+                repeated postures (ISO 9283).";
     PageTable::new("Measured and predicted in numbers", &head, files.iter().map(row).collect())
         .with_note(note)
 }

@@ -8,7 +8,8 @@ pub fn quantity(unit: Unit, si: f64) -> String {
     told(unit, unit.from_si(si))
 }
 
-/// Returns a value that is already in `unit` as text with the unit; a share is in percent.
+/// Returns the text of `value` with its unit. The value must already be in `unit`; a share is printed in
+/// percent.
 pub fn told(unit: Unit, value: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", rounded(percent_from_share(value), 4)),

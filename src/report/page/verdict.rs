@@ -232,11 +232,9 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
             ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.
-        true if unit == Unit::Cost => (
-            "met",
-            format!("{name} stays within its limit; the tightest tolerances would have {limit}"),
-            FactMood::Good,
-        ),
+        true if unit == Unit::Cost => {
+            ("met", format!("{name} stays within its limit (tightest tolerances: {limit})"), FactMood::Good)
+        }
         false if unit == Unit::Cost => {
             ("missed", format!("{name} exceeds its limit even with the tightest tolerances"), FactMood::Bad)
         }
@@ -304,7 +302,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
 /// Returns the entry on the gap between the objective of the best layout found and the proven lower bound.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
-        Covers::Part => format!("; counted as 0: {}", unproven(found)),
+        Covers::Part => format!("; these operations are counted as 0: {}", unproven(found)),
         _ => String::new(),
     };
     let (text, note) = match (found.gap_percent, found.bound) {

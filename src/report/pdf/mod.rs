@@ -1,4 +1,5 @@
-//! The answer as PDF: one page with the answer, the set-out drawing to scale, and the report as an appendix.
+//! The answer as PDF in three parts: a page with the answer, the set-out drawing to scale, and the report as
+//! an appendix.
 //!
 //! Every page is an SVG in mm, and one crate converts all of them. The embedded font is Noto Sans, under the
 //! SIL Open Font License.

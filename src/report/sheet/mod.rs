@@ -164,8 +164,8 @@ fn notes(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<String> {
     );
     vec![
         crate::report::text::headline(cell),
-        format!("{arrows}; robot at {stands}; corner tolerances guarantee the tolerance of the frame at every \
-        allowed yaw"),
+        format!("{arrows}; robot at {stands}; corners within their tolerances keep the frame within its \
+        tolerance at every allowed yaw"),
         "circles: nodes that cannot be used; dashed: reach at the height of the work; angles: yaw from the world x".into(),
     ]
 }

@@ -76,7 +76,7 @@ fn limits(d: &AllocationDocument) -> String {
         format!("{} at most {} {unit} {at}", shown(name), rounded(limit, 6))
     });
     let each: Vec<String> = each.collect();
-    let figure = d.demanded_yield.map_or(d.quantity.clone(), |share| format!("error with yield {share}"));
+    let figure = d.demanded_yield.map_or(d.quantity.clone(), |share| format!("error (yield {share})"));
     format!("the {figure} of {}\n", each.join("; "))
 }
 

@@ -8,8 +8,8 @@ use std::fmt::Write;
 
 /// Returns the accuracy before and after the calibration, the parameters of the fit, and the rank.
 ///
-/// The rank is the number of parameter combinations whose standard deviation the data reduce to less than
-/// half of its prior value.
+/// The rank is the number of combinations of parameters that the data determine. The data reduce the standard
+/// deviation of each such combination to less than half of the prior value.
 pub fn calibration(document: &CalibrationDocument) -> String {
     let mut out = format!(
         "{}: calibrated with {} positions, residual {} mm per axis\n\nPosition error, mm\n",
@@ -76,8 +76,8 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     out.push_str(&parameters.render());
     let _ = writeln!(
         out,
-        "\nRank {} of {}: the number of combinations whose standard deviation the data reduce to less than \
-         half.",
+        "\nRank {} of {}: the number of parameter combinations whose standard deviation the data reduce to \
+         less than half.",
         document.rank,
         document.parameters.len()
     );

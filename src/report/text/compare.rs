@@ -80,7 +80,8 @@ pub fn feasibility(a: &Assessment<'_>) -> String {
     verdict(&a.label, a.cell.unit(), a.evaluation.objective, &a.reasons())
 }
 
-/// Returns the objective (SI) of the layout `label`, or the reasons why it is not feasible, one per line.
+/// Returns the objective of a layout as text, or the reasons why the layout is not feasible, one per line.
+/// `label` names the layout, and `objective` is in SI units.
 pub fn verdict(label: &str, unit: Unit, objective: Option<f64>, reasons: &[String]) -> String {
     match objective.map(|objective| unit.from_si(objective)) {
         Some(objective) => format!("{label} layout: objective {objective:.4} {}\n", unit.word()),

@@ -6,8 +6,8 @@ use crate::cycle_time::{ASSUMED_FULL_SPEED_AFTER, CyclePhase, CycleStep, CycleTi
 use crate::safe_text::shown;
 use std::fmt::Write;
 
-/// Returns the cycle time of a feasible layout with its steps, or the data that are missing. The text is
-/// empty if the layout is not feasible.
+/// Returns the cycle time of a feasible layout and the steps of the cycle. If joint speeds are missing, the
+/// text states which. The text is empty if the layout is not feasible.
 pub fn cycle_time(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();

@@ -33,8 +33,10 @@ pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
     let _ = writeln!(
         out,
         "\nExpected rms error of predicted positions at {} nodes of the operations, after registration \
-        of the base: {} mm without a measurement, {} mm with these poses, {} mm with {} poses that only \
-        fill the joint space. The error that the {} unknowns do not explain is not included; its assumed size is {} mm per axis, shared by nearby poses, and {} mm per axis of each pose alone.",
+        of the base: {} mm without a measurement, {} mm with these poses, {} mm with {} other poses that fill \
+        the joint space evenly. These figures leave out the error that the {} unknowns do not explain. The assumed \
+        standard deviation of this error per axis is {} mm for the part that nearby poses share, and {} mm for the \
+        part of each pose alone.",
         expected.nodes,
         fixed(expected.before_mm, 3),
         fixed(expected.after_mm, 3),

@@ -129,8 +129,8 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Returns the line that replaces worst case and statistics for a calibrated arm whose errors compensate each
-/// other. The line states why these figures do not exist.
+/// Returns a line for a calibrated arm whose errors compensate each other. The line states why worst case and
+/// statistics do not exist.
 pub fn no_tolerances() -> String {
     format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }

@@ -19,11 +19,7 @@ pub fn robustness(a: &Assessment<'_>) -> String {
     for (k, robustness) in a.robustness.iter().enumerate() {
         let operation = &a.cell.operations[k];
         let surface = shown(&a.cell.equipment[operation.equipment].name);
-        let _ = write!(
-            out,
-            "{} on {surface}, misplaced, with the same spot and posture branch: ",
-            shown(&operation.name)
-        );
+        let _ = write!(out, "{} on {surface} (spot and posture branch unchanged): ", shown(&operation.name));
         match robustness {
             None => out.push_str("no usable node\n"),
             Some(r) => {

@@ -110,7 +110,7 @@ fn init_never_overwrites_a_cell_of_the_user() {
 fn warnings_of_an_import_come_once_and_grouped() {
     let shop = with_package(&arm());
     let ran = shop.done(&["init", URDF]);
-    assert_eq!(ran.err.matches("6 angles plainly mean right angles").count(), 1, "{}", ran.err);
+    assert_eq!(ran.err.matches("6 angles are rounded right angles").count(), 1, "{}", ran.err);
     assert_eq!(ran.err.matches("continuous joint").count(), 1, "{}", ran.err);
     assert!(ran.err.contains("(and 1 more of this kind)"), "{}", ran.err);
     assert!(ran.err.contains("stand still and have no solids: left, right"), "{}", ran.err);
@@ -118,7 +118,7 @@ fn warnings_of_an_import_come_once_and_grouped() {
     std::fs::copy(shop.path(URDF), shop.path("ws/own_arm/urdf/arm-cell/robots/arm.urdf")).unwrap();
     let named = ["--package", "own_arm=ws/own_arm"];
     let check = shop.done(&[&["check", CELL_OF_ARM][..], &named].concat());
-    assert_eq!(check.err.matches("6 angles plainly mean right angles").count(), 1, "{}", check.err);
+    assert_eq!(check.err.matches("6 angles are rounded right angles").count(), 1, "{}", check.err);
     for command in ["map", "budget", "explain"] {
         let ran = shop.done(&[&[command, CELL_OF_ARM][..], &named].concat());
         assert!(!ran.err.contains("angles") && !ran.err.contains("continuous"), "{command}: {}", ran.err);

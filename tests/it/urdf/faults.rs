@@ -223,10 +223,13 @@ fn almost_parallel_and_perpendicular_axes_are_derived() {
     let parallel = [("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-5 1\"")];
     let faults_of = |replace: &[(&str, &str)]| faults(replace, "");
     let told = faults_of(&parallel);
-    assert!(told.len() == 1 && told[0].message.contains("parallel except for 1.0e-5 rad"), "{told:#?}");
+    assert!(
+        told.len() == 1 && told[0].message.contains("almost parallel: the deviation is 1.0e-5 rad"),
+        "{told:#?}"
+    );
     let told = faults_of(&[("xyz=\"0.4 0 0\"", "xyz=\"0.4 0 0\" rpy=\"1e-4 0 0\"")]);
     assert!(
-        told.len() == 1 && told[0].message.contains("at right angles except for 1.0e-4 rad"),
+        told.len() == 1 && told[0].message.contains("almost at right angles: the deviation is 1.0e-4 rad"),
         "{told:#?}"
     );
     let text = ARM.replace("<axis xyz=\"0 1 0\"", "<axis xyz=\"0 1e-4 1\"");

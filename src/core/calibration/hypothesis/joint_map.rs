@@ -79,8 +79,8 @@ impl JointMap {
         self
     }
 
-    /// Returns the plain map in every column order that is tried: two columns swapped, all shifted by one, or
-    /// all reversed.
+    /// Returns one copy of the plain map for each column order that is tried. Two columns are swapped, all
+    /// columns are shifted by one, or the order is reversed.
     pub fn orders(axes: usize) -> Vec<Self> {
         let with = |column: &dyn Fn(usize) -> usize| {
             let mut map = Self::PLAIN;
@@ -102,8 +102,8 @@ impl JointMap {
         all
     }
 
-    /// Returns the plain map with an offset of 90, -90 or 180 degrees at one or two of the inner revolute
-    /// joints.
+    /// Returns copies of the plain map for the offsets that are tried. In each copy, one or two of the inner
+    /// revolute joints have an offset of 90, -90 or 180 degrees.
     ///
     /// Offsets of the first and the last joint are equivalent to other poses of base and reflector.
     pub fn turns(chain: &Chain) -> Vec<Self> {
@@ -128,7 +128,7 @@ impl JointMap {
         all
     }
 
-    /// Returns the plain map with every set of couplings that is tried.
+    /// Returns one copy of the plain map for each set of couplings that is tried.
     ///
     /// Joint 3 may be measured from the horizontal instead of from link 2. Joints 2 and 3 may drive joint 4
     /// of an arm with four or five axes, such as a palletizer. In the wrist of an arm with six or more axes,

@@ -53,8 +53,9 @@ const FITTED: usize = 40;
 ///
 /// Other joint maps and mirrored positions are tried under two conditions. There must be at least 8 rows. The
 /// plain map must leave a root mean square distance of at least 0.1 % of `reach` (m). Another reading is
-/// chosen if its distance is below a third of this distance and below 2 % of `reach`. Returns None if the
-/// positions do not determine base and reflector.
+/// chosen if its root mean square distance is below two thresholds. The thresholds are a third of the
+/// distance that the plain map leaves, and 2 % of `reach`. Returns None if the positions do not determine
+/// base and reflector.
 pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<DataReading> {
     let some: Vec<_> = spread_out(raw.len(), ROWS).into_iter().map(|k| raw[k]).collect();
     let plain = fitted(chain, &some, reach, &[(true, JointMap::PLAIN), (false, JointMap::PLAIN)], &[false]);

@@ -2,8 +2,8 @@
 
 /// Returns at most `most` of the numbers below `count`, in ascending order.
 ///
-/// The numbers are spread over all rows in unequal steps. With equal steps, a series that moves one joint
-/// after the other could show the same joint again and again.
+/// The numbers are indices of rows, spread over the table in unequal steps. If the joints move in turn, equal
+/// steps could always select rows in which the same joint has moved.
 pub fn spread_out(count: usize, most: usize) -> Vec<usize> {
     let mut all: Vec<usize> = (0..count).collect();
     let place = |k: &usize| (*k as f64 * GOLDEN).fract();

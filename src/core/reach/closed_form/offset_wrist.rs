@@ -97,8 +97,8 @@ impl OffsetWrist {
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
     /// reach. Let P be the intersection of axes 4 and 5. If the first three joints cannot reach P for any
     /// scanned theta_6, the measure is a distance. It is the least distance between P and the points that
-    /// these joints reach. Otherwise the measure is the least cosine error of the angle between axes 4 and 5,
-    /// times the forearm length r_4.
+    /// these joints reach. Otherwise the measure is a difference of cosines, times the forearm length r_4.
+    /// The difference is the least error of the cosine of the angle between axes 4 and 5.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

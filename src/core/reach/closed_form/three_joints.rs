@@ -76,8 +76,7 @@ impl ThreeJoints {
         }
         if !self.point.moves_in_space() {
             return Err(
-                "the first three joints cannot move the wrist centre in all directions anywhere in space"
-                    .into(),
+                "in no posture can the first three joints move the wrist centre in all directions".into()
             );
         }
         Ok(())

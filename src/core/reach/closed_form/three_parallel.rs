@@ -114,7 +114,7 @@ impl ThreeParallel {
     /// and 4 is in the middle of its possible range.
     ///
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
-    /// case, bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
+    /// case, bit 2 is 0, and a scan sets theta_1 to the first angle with a solution.
     ///
     /// Returns the distance (m) by which the wrist centre is out of reach. If the wrist centre is too near to
     /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise the distance is measured

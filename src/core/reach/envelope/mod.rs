@@ -126,8 +126,9 @@ impl<'a> Envelope<'a> {
     /// rotate with joint 1. For the numeric solver, joint 1 must also have a range of at least one turn.
     ///
     /// A solver for the full pose of the flange samples a free azimuth and a free spin. The sampled angles
-    /// are measured from a fixed direction. For such a solver, two more conditions apply if the azimuth is
-    /// not radial. The tool must be vertical, and joint 1 must have a range of at least one turn.
+    /// are measured from a fixed direction. For such a solver, two more conditions apply unless the azimuth
+    /// is [`Radial`](crate::cell::Azimuth::Radial). The tool must be vertical, and joint 1 must have a range
+    /// of at least one turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

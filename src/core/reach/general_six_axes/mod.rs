@@ -65,7 +65,8 @@ const TRIALS: usize = 16;
 /// Least number of trial postures that the solver of an arm must find. One posture may be nearly singular.
 const LEAST_FOUND: usize = TRIALS - 1;
 
-/// Inverse kinematics of an arm with six revolute axes in any position.
+/// Inverse kinematics of an arm with six revolute joints, whose axes may have any position relative to each
+/// other.
 #[derive(Debug, Clone)]
 pub struct GeneralSixAxes {
     arm: ScaledArm,
@@ -78,8 +79,8 @@ impl GeneralSixAxes {
     /// Returns the solver of an arm with six revolute axes. The preparation takes a few milliseconds at most.
     ///
     /// # Errors
-    /// Returns the reason if the chain does not have six revolute joints, or if the solver finds too few
-    /// trial postures, because the arm is degenerate.
+    /// Returns the reason if the chain does not have six revolute joints. Also returns the reason if the arm
+    /// is degenerate: the solver misses more than one trial posture.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let rows: &[Link; 6] = chain.links.as_slice().try_into().map_err(|_| {
             format!("the chain has {} joints, and the general method needs six", chain.links.len())
@@ -131,9 +132,11 @@ impl GeneralSixAxes {
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. If the origin of frame 5 is outside its sphere of reach, the measure is the distance from this
-    /// sphere. Otherwise the measure is the length of the arm times the ratio of the least to the greatest
-    /// determinant of a coarse scan. The measure is `f64::MAX` if the pose is not finite.
+    /// reach. All reachable positions of the origin of frame 5 lie inside a sphere. If the pose requires a
+    /// position outside this sphere, the measure is the distance from the sphere. Otherwise, a coarse scan
+    /// evaluates the determinant of the twelve equations of the method. The measure is then the length of the
+    /// arm times the ratio of the least to the greatest absolute determinant. The measure is `f64::MAX` if
+    /// the pose is not finite.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let target = self.arm.scaled(flange);
         let beyond = self.arm.beyond_reach(&target);

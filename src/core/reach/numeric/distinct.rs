@@ -21,8 +21,8 @@ const CONTINUUM_SPACING: f64 = 0.1;
 /// Solution of the numeric solver, and the start posture that leads to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSolution {
-    /// Index of the start posture. For a full descent, the field is the sum of this index and the total
-    /// number of start postures.
+    /// Index of the start posture. If fast descents find no solution, slower full descents follow. If a full
+    /// descent leads to the solution, the total number of start postures is added to the index.
     pub start: usize,
     /// Joint coordinates, rad or m.
     pub joints: JointVector,

@@ -60,7 +60,7 @@ impl Numeric {
         Self { chain: chain.clone(), scale, starts: Starts::new(chain, &searched), joints }
     }
 
-    /// Returns one solution within the limits: the first solution to which a start posture leads.
+    /// Returns one solution within the limits: the solution of the first descent that finds one.
     ///
     /// This solution is one of the solutions that [`Self::all`] collects. The result is None if and only if
     /// `all` collects no solution.

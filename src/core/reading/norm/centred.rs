@@ -33,7 +33,7 @@ const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99]
 /// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
 pub type CovarianceEntries = [f64; 6];
 
-/// Lower and upper bounds of one quantity of the norm of a centred normal vector.
+/// Lower and upper bounds of one quantity of `|v|`, where `v` is a normal vector with mean 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CentredBound {
     quantity: Quantity,

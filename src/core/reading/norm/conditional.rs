@@ -25,7 +25,7 @@ use nalgebra::Vector6;
 /// [`PointSet::count`].
 const LANES: usize = 4;
 
-/// Distribution of the norm of a random vector that depends on a dominating bounded parameter.
+/// Distribution of the norm `|e|` of a random vector `e`, in which one bounded parameter dominates.
 pub struct ConditionalNorm<'a> {
     /// Component of the error along the effect of the dominating parameter, at each point. The error excludes
     /// this parameter.
@@ -41,14 +41,14 @@ pub struct ConditionalNorm<'a> {
     rms: f64,
 }
 
-/// Working memory of a [`ConditionalNorm`]: the weight of each point, and the components of the error at each
-/// point.
+/// Working memory of a [`ConditionalNorm`]: the weight of each quasi-random point, and the components of the
+/// error at this point.
 #[derive(Default)]
 pub struct ConditionalScratch(Vec<f64>);
 
 impl ConditionalScratch {
-    /// Allocates the memory for errors of at most `m` components, and prepares the points that all
-    /// evaluations share.
+    /// Allocates the memory for errors of at most `m` components. Also prepares the quasi-random points that
+    /// all evaluations share.
     pub fn of_components(m: usize) -> Self {
         let mut scratch = Self::default();
         (1..=m).for_each(|m| {
@@ -112,8 +112,10 @@ impl<'a> ConditionalNorm<'a> {
         self.rms
     }
 
-    /// Returns the mean of `|e|`: at each point a conditional mean in closed form, then the weighted mean
-    /// over all points.
+    /// Returns the mean of `|e|`: the weighted mean of the conditional means at all quasi-random points.
+    ///
+    /// A point fixes all parameters except the dominating parameter. The conditional mean over this parameter
+    /// has a closed form.
     ///
     /// At each point `|e| = sqrt(r + s^2)`, where `s` is the component of `e` along the effect of the
     /// dominating parameter. The squared length `r` of the perpendicular part of `e` does not depend on this
