@@ -1,6 +1,6 @@
 //! All files of a cell as they are read, and the faults found in them.
 
-use super::tree::{At, Entry, Node, Value, parse, path_to};
+use super::tree::{At, Entry, parse, path_to};
 use crate::files::content::{FileContent, not_needed};
 use crate::files::fault::{Fault, FaultKind, Severity, shown};
 use std::cmp::Ordering;
@@ -221,13 +221,6 @@ impl<'a> Library<'a> {
     pub fn path(&self, at: At) -> Option<String> {
         let entries = self.parsed.get(&at.file).filter(|_| self.errors() < MAX_FAULTS)?;
         path_to(entries.as_ref()?, at)
-    }
-
-    /// Returns whether a list consists of tables, each under a header in double brackets.
-    pub fn is_under_headers(&self, list: &Node) -> bool {
-        let first = list.value.items().and_then(<[Node]>::first);
-        let text = self.sources[list.at.file].bytes.get(list.at.offset..).unwrap_or_default();
-        first.is_some_and(|first| matches!(first.value, Value::Table(_))) && text.starts_with(b"[[")
     }
 
     /// Converts a path that is written at `at` to a path relative to the folder of the cell. Records a fault

@@ -4,10 +4,12 @@
 pub mod document;
 pub mod from;
 mod nesting;
+mod quoted;
 pub mod reader;
 pub mod setting;
 pub mod tree;
 pub mod value;
 
 pub use document::{ReadFile, Source};
-pub use setting::{Choices, Setting, of_setting, toml_string};
+pub use quoted::toml_string;
+pub use setting::{Choices, Setting, of_setting};

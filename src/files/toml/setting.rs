@@ -4,6 +4,7 @@
 //! check of the cell applies to the settings. A fault in a setting names the flag as its place.
 
 use super::document::{Library, Source};
+use super::quoted::toml_string;
 use super::tree::{Entry, Node, Value, is_range, parse};
 use crate::files::fault::{Fault, did_you_mean, listed, shown};
 use crate::files::keys::cell::cell;
@@ -64,16 +65,6 @@ impl Setting {
             false => format!("{} = {}", self.path, toml_string(&self.value)),
         }
     }
-}
-
-/// Returns a text as a basic string of TOML, on one line.
-pub fn toml_string(text: &str) -> String {
-    let escaped = |c: char| match c {
-        '"' | '\\' => format!("\\{c}"),
-        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
-        c => c.to_string(),
-    };
-    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
 /// Key of a cell, with the values that a sweep sets one after the other.

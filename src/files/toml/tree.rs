@@ -4,7 +4,7 @@
 //! value, and [`super::reader`] reads it.
 
 use super::nesting::too_deep;
-use super::setting::toml_string;
+use super::quoted::toml_key;
 use crate::files::fault::shown;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -205,16 +205,13 @@ impl Reader {
 
 /// Returns the dotted keys that lead from `entries` to the value at a place; None if no value is there.
 pub fn path_to(entries: &[Entry], at: At) -> Option<String> {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     entries.iter().find_map(|(key, _, node)| {
         let below = || match &node.value {
             Value::Array(items) => items.iter().find_map(|item| path_to(item.value.entries(), at)),
             value => path_to(value.entries(), at),
         };
         let rest = if node.at == at { String::new() } else { format!(".{}", below()?) };
-        let is_bare = !key.is_empty() && key.chars().all(is_plain);
-        let key = if is_bare { key.clone() } else { shown(&toml_string(key)) };
-        Some(key + &rest)
+        Some(shown(&toml_key(key)) + &rest)
     })
 }
 

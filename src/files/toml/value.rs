@@ -79,12 +79,7 @@ pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [No
         let header = || format!("[[{}]]", lib.path(node.at).unwrap_or_else(|| key.name.to_string()));
         let help = match (key.kind.table(), node.value.items().map(<[Node]>::len)) {
             (Some(_), Some(len)) if len > count.1 => {
-                let place = if lib.is_under_headers(node) {
-                    format!(", each under its own header {}", header())
-                } else {
-                    String::new()
-                };
-                format!("remove entries until at most {} are left{place}", count.1)
+                format!("remove entries until at most {} are left", count.1)
             }
             (Some(_), Some(_)) if key.example.is_empty() => {
                 format!("in place of this list, add {many}entries, each under its own header {}", header())

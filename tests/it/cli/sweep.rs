@@ -200,7 +200,7 @@ fn faults_of_a_sweep_name_the_setting() {
             &["robot.base={ x_mm = 0, y_mm = 0, z_mm = 0 }", "robot.base.x_mm=2"],
             &["robot.base is set already"],
         ),
-        (&["from=hitachi_paper.toml"], &["the cell file itself"]),
+        (&["from=hitachi_paper.toml"], &["cannot set the key `from`"]),
     ];
     for (sets, said) in cases {
         let sets = sets.iter().flat_map(|set| ["--set", set]);
