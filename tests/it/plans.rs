@@ -69,7 +69,7 @@ fn same_ring(found: &[Point], expected: &[Point]) -> bool {
 fn the_shipped_hall_has_its_columns_walls_and_machines() {
     let cell = "from = \"hitachi_cell.toml\"\n[obstacle.hall]\nplacement = { x_mm = -4000, y_mm = -4000, z_mm = 0 }\n\
         plan = { file = \"equipment/hall.dxf\", layers = [\"columns\", \"WALLS\", \"MACHINES\"], height_mm = 3000 }\n";
-    let folder = tempfile::tempdir().unwrap();
+    let folder = crate::cli::sandbox::temporary_folder();
     std::fs::write(folder.path().join("hall_cell.toml"), cell).unwrap();
     let loaded = load_from(folder.path(), "hall_cell.toml").unwrap_or_else(|f| panic!("{f:#?}"));
     assert_eq!(loaded.warnings, []);
@@ -120,7 +120,7 @@ fn a_table_fits_into_the_corner_of_a_wall_but_not_into_the_wall() {
         )
     };
     let overlaps = |x: i32| {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = crate::cli::sandbox::temporary_folder();
         std::fs::write(folder.path().join("a.toml"), at(x)).unwrap();
         let workcell = Workcell::new(load_from(folder.path(), "a.toml").unwrap().cell).unwrap();
         let found = evaluate(&workcell, &workcell.cell.start()).overlaps;

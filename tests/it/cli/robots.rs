@@ -30,7 +30,7 @@ fn the_built_in_library_equals_the_robots_folder() {
 #[test]
 fn the_built_in_library_needs_no_files() {
     let shop = Sandbox::new();
-    let elsewhere = tempfile::tempdir().unwrap();
+    let elsewhere = crate::cli::sandbox::temporary_folder();
     let mut command = shop.command(&["robot", "hitachi_pw10_parallelogram", "--json"]);
     let ran = crate::cli::sandbox::ran(command.current_dir(elsewhere.path()).output().unwrap());
     assert_eq!(ran.code, Some(0), "{}", ran.err);

@@ -24,8 +24,8 @@ const TASK_SECONDS: f64 = 60.0;
 /// Time between two checks of the files.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// Time between two queries to Slurm.
-const ASK: Duration = Duration::from_secs(3);
+/// Shortest and longest time between two queries to Slurm; the time doubles after each query.
+const ASK: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(4)];
 
 /// Writes the script of all jobs and the task list of the next job. Prints the script, and submits nothing.
 pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOptions<'_>) -> Result<(), Exit> {
@@ -127,13 +127,14 @@ impl<'s> ClusterRun<'s> {
     /// Waits until no combination is missing, no task of the job can run any more, or a signal stops this
     /// program.
     fn follow(&mut self, id: &str) {
+        let [mut pause, longest] = ASK;
         let (mut asked, mut is_told) = (Instant::now(), false);
         while self.look() > 0 && !self.is_stopped() {
             std::thread::sleep(LOOK);
-            if asked.elapsed() < ASK {
+            if asked.elapsed() < pause {
                 continue;
             }
-            asked = Instant::now();
+            (asked, pause) = (Instant::now(), (2 * pause).min(longest));
             match queue_state(id) {
                 Ok(QueueState::Queued) => is_told = false,
                 Ok(QueueState::Gone) => break,
