@@ -87,10 +87,11 @@ impl Pose {
     }
 }
 
-/// Small rigid motion as seen at one point, expressed in the axes of one frame.
+/// Small rigid motion: the displacement of one point (the reference point) and a rotation. Both vectors are
+/// expressed in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
-    /// Displacement of the point, m.
+    /// Displacement of the reference point, m.
     pub position: Vector3<f64>,
     /// Rotation vector, rad.
     pub rotation: Vector3<f64>,
@@ -101,9 +102,9 @@ impl Displacement {
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the motion as seen at another point, without approximation.
+    /// Returns the motion for another reference point, without approximation.
     ///
-    /// The vector `arm` (m) leads from the point of `self` to the other point.
+    /// The vector `arm` (m) leads from the reference point of `self` to the other point.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
         if *arm == Vector3::zeros() {
             return *self;
@@ -111,25 +112,26 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns the motion as seen at another point, to first order.
+    /// Returns the motion for another reference point, to first order.
     ///
-    /// The vector `arm` (m) leads from the point of `self` to the other point. The displacement of the other
-    /// point is `p + w x arm`, where p is `position` and w is `rotation`.
+    /// The vector `arm` (m) leads from the reference point of `self` to the other point. The displacement of
+    /// the other point is `p + w x arm`, where p is `position` and w is `rotation`.
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// `self`, `next` and the result are seen at one fixed place. The field `position` of each motion is the
-    /// displacement of the point that is at this place before the motion.
+    /// The reference points of `self`, `next` and the result lie at one place, which does not move. The field
+    /// `position` of each motion is the displacement of the point that is at this place before the motion.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
         Self { position: self.position + turn.moved(&self.position) + next.position, rotation }
     }
 
-    /// Returns the motion that undoes `self`, seen at the same point.
+    /// Returns the motion that undoes `self`. The reference point of each of the two motions is at one fixed
+    /// place before the motion.
     pub fn inverse(&self) -> Self {
         let turn = SmallRotation::of(&-self.rotation);
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }

@@ -64,8 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. A damaged
-    /// file of another kind is never recognized as one of these kinds.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Only the recognition of
+    /// these kinds is certain. For example, a damaged STL mesh may be recognized as a binary file.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

@@ -23,7 +23,7 @@ pub enum FaultKind {
     Content,
     /// The cell or robot file itself cannot be read.
     Unreadable,
-    /// The content of the cell or robot file itself shows that it is a file of another kind.
+    /// The file that was given as the cell or robot file has another kind, as its content shows.
     Foreign(FileContent),
     /// Warning from the import of a URDF. Only a few commands print this warning, because it stays the same
     /// until the URDF changes.
@@ -74,8 +74,8 @@ impl Fault {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
-    /// Returns the error for a cell or robot file that is of another kind. The help states the next step for
-    /// the file at `path`.
+    /// Returns the error for a file of another kind that was given as the cell or robot file. The help states
+    /// the next step for the file at `path`.
     pub fn foreign(path: &str, content: FileContent, needed: &str) -> Self {
         let fault = Self::of_file(path, not_needed(path, content, needed), content.next_step(&shown(path)));
         Self { kind: FaultKind::Foreign(content), ..fault }

@@ -62,8 +62,8 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 /// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
 /// # Errors
-/// Returns faults as [`load`] does. If a setting causes a fault, the fault states the flag in place of a file,
-/// and the line is 0.
+/// Returns faults as [`load`] does. If a setting causes a fault, the fault states the flag in place of a
+/// file, and the line is 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -97,7 +97,7 @@ pub struct LoadedRobot {
 
 /// Reads a robot file and every file that it refers to.
 ///
-/// `path` is the path of the robot file, as `read` gets it.
+/// `path` is the path of the robot file. The function passes this path to `read`.
 ///
 /// # Errors
 ///
@@ -139,7 +139,7 @@ pub fn urdf_outline(
 }
 
 /// Returns whether the file at `path` is a robot file. The key `schema` of a file states the kind of the
-/// file. A file without this key inherits `schema` through `from`.
+/// file. A file without this key takes `schema` from the file that its key `from` names.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));

@@ -9,7 +9,8 @@ use std::collections::HashMap;
 /// Calibration of an arm of Universal Robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StatedCalibration {
-    /// Frame of every joint in the link that the preceding joint moves, and the hash of the calibration.
+    /// Pose of each joint frame in the frame of the link before that joint. The variant also holds the hash
+    /// of the calibration.
     Frames { frames: Vec<Pose>, hash: Option<String> },
     /// Differences of theta (rad), a (m), d (m) and alpha (rad) from the nominal rows.
     Rows { theta: Vec<f64>, a: Vec<f64>, d: Vec<f64>, alpha: Vec<f64> },

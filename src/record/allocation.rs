@@ -28,16 +28,18 @@ pub struct AllocationDocument {
     /// Name of the figure that the reading gives.
     pub quantity: String,
     pub registration: Registration,
-    /// Share of random arms that must stay within each limit; null unless the quantity is the yield.
+    /// Required yield: share of arms with random parameter errors that must stay within each limit. Null
+    /// unless the quantity is the yield.
     pub demanded_yield: Option<f64>,
     pub status: AllocationStatus,
     /// Cost of the tolerances in the error set.
     pub cost_before: f64,
-    /// Cost of the tolerances that the allocation gives; null if infeasible. If these tolerances exceed a
-    /// limit, all of them are reduced at the end, which increases the cost.
+    /// Cost of the final tolerances; null if infeasible. If a figure still exceeds its limit after the last
+    /// round, all tolerances are reduced. `cost` includes this reduction, which makes the tolerances more
+    /// expensive.
     pub cost: Option<f64>,
-    /// Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to
-    /// match the error model of the cell.
+    /// Proven lower bound of the cost; null if infeasible. The proof uses figures by the linear error model,
+    /// scaled to the figures by the error model of the cell.
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
@@ -59,11 +61,10 @@ pub struct AllocationDocument {
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
     /// The error model of the cell confirms that the tolerances meet all limits. `duality_gap` compares their
-    /// cost with its lower bound. If all tolerances were reduced at the end to meet a limit, this gap is
-    /// larger.
+    /// cost with its lower bound. A reduction of all tolerances after the last round increases this gap.
     Cheapest,
-    /// The error model of the cell gives a figure above its limit, even after a final reduction of all
-    /// tolerances.
+    /// The error model of the cell gives a figure above its limit. All tolerances were reduced after the last
+    /// round, but the figure still exceeds the limit.
     Exceeded,
     /// Even the tightest tolerances exceed a limit.
     Infeasible,
@@ -151,8 +152,8 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Tightest permitted tolerances that contribute to the excess. The tolerance whose removal lowers the
-    /// figure most comes first.
+    /// Tightest permitted tolerances that contribute to the excess. The list is sorted by `without`, the
+    /// least value first.
     pub in_the_way: Vec<BoundEntry>,
 }
 
@@ -172,16 +173,16 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess of a figure over its limit, percent, at the tolerances of the first round. A round
-    /// solves the problem with linear figures, then judges the tolerances. Negative if all figures of the
-    /// first round are below their limits.
+    /// Largest excess of a figure over its limit after the first round, percent; negative if all figures are
+    /// below their limits. A round finds tolerances with figures by the linear error model. The error model
+    /// of the cell then judges these tolerances.
     pub missed_percent: f64,
-    /// Index of the round that gave the solution; the first round has the index 0. Each round adapts the
-    /// linear figures to the judged figures.
+    /// Index of the round that gave the solution; the first round has the index 0. Each round scales the
+    /// figures by the linear error model to the judged figures of the round before.
     pub rounds: usize,
     /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,
-    /// Largest excess of a figure over its limit, percent, at the final tolerances. Negative if all figures
+    /// Largest excess of a figure over its limit at the final tolerances, percent; negative if all figures
     /// are below their limits.
     pub excess_percent: f64,
     /// Number of cone programs, which are convex optimization problems, solved in the round that gave the

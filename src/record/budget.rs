@@ -47,32 +47,32 @@ pub struct OperationBudget {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors of the
-    /// signed sample compensate each other and are not tolerances. This is assumed if an error dr or dl of
-    /// the sample exceeds the reach of the arm.
+    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
+    /// the errors of the sample compensate each other. The program assumes this if the error of a
+    /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the error under the reading; negative if the error exceeds the limit. If a certificate is
-    /// required, the error at the spot is its upper bound over all misplacements. Null if the operation has
-    /// no limit, or if the quantity is the yield.
+    /// required, a known upper bound of this error over all misplacements replaces the error. Null if the
+    /// operation has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// Gains from halving the tolerances of the parameters with the largest shares. Empty in the signed
-    /// reading if an error dr or dl of the sample exceeds the reach of the arm.
+    /// Gains from halving the tolerances of the parameters with the largest shares. The list is empty if
+    /// `worst_linear_exact` is null.
     pub tighten: Vec<TightenEntry>,
-    /// Worst case of the linear model, in the unit of the sense. Null in the signed reading if an error dr or
-    /// dl of the sample exceeds the reach of the arm.
+    /// Worst case of the linear model, in the unit of the sense; null if `worst_linear_exact` is null.
     pub linear_worst: Option<f64>,
-    /// Standard deviation of the linear model, in the unit of the sense. Null in the signed reading if an
-    /// error dr or dl of the sample exceeds the reach of the arm.
+    /// Standard deviation of the linear model, in the unit of the sense; null if `worst_linear_exact` is
+    /// null.
     pub linear_rms: Option<f64>,
 }
 
 /// Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
-/// the signed reading if an error dr or dl of the sample exceeds the reach of the arm.
+/// the signed reading if the errors of the sample compensate each other. The program assumes this if the
+/// error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {
@@ -84,7 +84,8 @@ pub struct TotalEntry {
     pub mean: Option<f64>,
     pub p95: Option<f64>,
     pub p99: Option<f64>,
-    /// Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit.
+    /// Yield: share of arms whose error does not exceed the limit. The parameter errors of the arms are
+    /// random and follow the tolerances.
     pub r#yield: Option<f64>,
 }
 
@@ -103,11 +104,11 @@ pub struct ShareEntry {
     /// Linear error in the sense of the operation if this parameter is at its tolerance and all other
     /// parameters are 0.
     pub alone: f64,
-    /// Share of the parameter in the linear worst case, from 0 to 1. Null in the signed reading if an error
-    /// dr or dl of the sample exceeds the reach of the arm.
+    /// Share of the parameter in the linear worst case, from 0 to 1; null if `worst_linear_exact` of the
+    /// operation is null.
     pub share_of_worst: Option<f64>,
-    /// Share of the parameter in the linear variance, from 0 to 1. Null in the signed reading if an error
-    /// dr or dl of the sample exceeds the reach of the arm.
+    /// Share of the parameter in the linear variance, from 0 to 1; null if `worst_linear_exact` of the
+    /// operation is null.
     pub share_of_variance: Option<f64>,
 }
 

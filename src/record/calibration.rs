@@ -25,7 +25,8 @@ pub struct CalibrationDocument {
     pub robot: String,
     /// Files from which the parameters are identified.
     pub sessions: Vec<CalibratedFile>,
-    /// Files that were not part of the fit. Base and reflector are fitted to each file.
+    /// Files with which the parameters are tested, but not identified. Base and reflectors are fitted to each
+    /// file.
     pub tests: Vec<TestedFile>,
     /// Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do
     /// not allow such a fit.
@@ -67,31 +68,35 @@ pub struct OutlierRow {
     pub distance_mm: f64,
 }
 
-/// File of measured positions that was part of the fit.
+/// File of measured positions from which the parameters are identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedFile {
     pub file: String,
     /// Number of measured positions.
     pub poses: usize,
-    /// Position errors of the nominal robot; base and reflector are fitted.
+    /// Distances of the measured positions from the positions of the nominal robot, after base and reflectors
+    /// are fitted.
     pub before: AccuracyEntry,
-    /// Position errors of the calibrated robot; base and reflector are fitted.
+    /// Distances of the measured positions from the positions of the calibrated robot, after base and
+    /// reflectors are fitted.
     pub after: AccuracyEntry,
     /// Rows whose measured position is more than six standard deviations from the prediction.
     pub outliers: Vec<OutlierRow>,
 }
 
-/// File of measured positions that was not part of the fit.
+/// File of measured positions with which the parameters are tested, but not identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestedFile {
     pub file: String,
     /// Number of measured positions.
     pub poses: usize,
-    /// Position errors of the nominal robot; base and reflector are fitted.
+    /// Distances of the measured positions from the positions of the nominal robot, after base and reflectors
+    /// are fitted.
     pub before: AccuracyEntry,
-    /// Position errors of the calibrated robot; base and reflector are fitted.
+    /// Distances of the measured positions from the positions of the calibrated robot, after base and
+    /// reflectors are fitted.
     pub after: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids.
     pub coverage_95: f64,
@@ -139,8 +144,8 @@ impl AccuracyEntry {
 }
 
 impl CalibratedFile {
-    /// Makes the entry of a session that was part of the fit. Returns None if the session is empty or does
-    /// not determine base and reflectors.
+    /// Makes the entry of a session from which the parameters are identified. Returns None if the session is
+    /// empty or does not determine base and reflectors.
     pub fn new(chain: &Chain, session: &MeasuringSession, fitted: &FittedSession) -> Option<Self> {
         Some(Self {
             file: session.name.clone(),
@@ -153,8 +158,8 @@ impl CalibratedFile {
 }
 
 impl TestedFile {
-    /// Makes the entry of a session that was not part of the fit. Returns None if the session is empty or
-    /// does not determine base and reflectors.
+    /// Makes the entry of a session with which the parameters are tested, but not identified. Returns None if
+    /// the session is empty or does not determine base and reflectors.
     pub fn new(chain: &Chain, session: &MeasuringSession, calibration: &Calibration) -> Option<Self> {
         let (fitted, coverage_95) = calibration.tested(&session.measured)?;
         Some(Self {
@@ -168,7 +173,8 @@ impl TestedFile {
     }
 }
 
-/// Returns the accuracy of the nominal robot after a fit of base and reflector.
+/// Returns statistics of the distances between measured positions and positions of the nominal robot. Base
+/// and reflectors are fitted first.
 fn nominal(chain: &Chain, session: &MeasuringSession) -> Option<AccuracyEntry> {
     let poses: Vec<_> = session.measured.iter().map(|m| Deformed::new(chain, &m.joints, &[], &[])).collect();
     let frames = aligned(&poses, &session.measured)?;
@@ -191,9 +197,9 @@ impl OutlierRow {
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {
     pub joint: String,
-    /// Prior standard deviation of a coefficient of the highest order. The fit estimates this value together
-    /// with the coefficients. A coefficient up to order 4 has twice the standard deviation of a coefficient
-    /// of higher order.
+    /// Prior standard deviation of the coefficients of the highest order. The fit estimates this value
+    /// together with the coefficients. All orders above 4 have equal prior standard deviations. The orders 1
+    /// to 4 have twice this prior standard deviation.
     pub prior_deg: f64,
     /// Root mean square of the identified error over one revolution of the joint.
     pub rms_deg: f64,

@@ -23,7 +23,7 @@ pub struct CellYieldEntry {
 }
 
 impl CellYieldEntry {
-    /// Makes the entry. Returns None unless the reading is statistical, every operation has a spot, and an
+    /// Makes the entry. Returns None if the reading is not statistical, an operation has no spot, or no
     /// operation has a limit.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let together = EstimateEntry::new(a.cell_yield.as_ref()?, Unit::Share);

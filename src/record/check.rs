@@ -43,7 +43,7 @@ pub struct OperationOrderEntry {
     /// "spin-families" skips groups of postures that differ in the last joint alone. "every-posture" skips
     /// none. A node, posture or group is skipped if its lower bound exceeds the best value found.
     pub judges: String,
-    /// Reason why every posture is judged; null if lower bounds leave some postures out.
+    /// Reason why the search judges every posture; null if the search skips some postures.
     pub why: Option<String>,
 }
 
@@ -71,8 +71,9 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of robot solids that are present in the same operation. If self-collision is not
-    /// checked, only pairs with the pedestal are returned.
+    /// Returns every pair of robot solids that the robot can carry at the same time. The robot carries a held
+    /// part only during its operation. If self-collision is not checked, only pairs with the pedestal are
+    /// returned.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

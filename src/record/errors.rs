@@ -38,7 +38,7 @@ pub struct ErrorsDocument {
     pub wanted_rp_mm: Option<f64>,
     /// Factor that multiplies the tolerances of the preset or of the robot's error set.
     pub scale: f64,
-    /// Number of predictions of the accuracy that the computation of `scale` needed.
+    /// Number of iterations in which the program finds `scale`. Each iteration predicts the accuracy once.
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,

@@ -56,9 +56,8 @@ pub struct ExplanationDocument {
     pub convention: String,
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// If the robot file uses the modified convention, row k takes `l_mm` and `alpha_deg` from row k + 1 of
-    /// the file. Frame 0 then contains both values of row 1 of the file. In the last row of this table, both
-    /// values are then 0.
+    /// For a file in modified convention, row k has l and alpha of row k + 1 of the file. The pose of frame 0
+    /// includes l and alpha of row 1 of the file. In the last row of this table, l and alpha are 0.
     pub dh: Vec<DhEntry>,
     /// Frames of the links and of the TCP, in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -71,23 +70,23 @@ pub struct ExplanationDocument {
     pub second_order: DisplacementEntry,
     /// Error of the TCP by the nonlinear model, in the world frame.
     pub nonlinear: DisplacementEntry,
-    /// Nonlinear error of the robot alone, in the world frame. The effects of registration, of errors when
-    /// the robot picks the part, and of equipment errors are not subtracted.
+    /// Nonlinear error of the robot alone, in the world frame. This error ignores the registration, the error
+    /// at the pick of the part, and the errors of the equipment.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Displacement that is subtracted from the nonlinear error of the robot alone, in the world frame. The
-    /// registration, errors when the robot picks the part, and errors of the equipment cause this
-    /// displacement.
+    /// Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. Three effects add up to this
+    /// difference: the registration, the error at the pick of the part, and the errors of the equipment.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the worst corner of the tolerance box. Null if the errors of the signed
-    /// sample compensate each other and are not tolerances. This is assumed if an error dr or dl of the
-    /// sample exceeds the reach of the arm.
+    /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the
+    /// errors of the sample compensate each other. The program assumes this if the error of a
+    /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
-    /// has no limit, or if the quantity is the yield.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. If a certificate is
+    /// required, a known upper bound of this value over all misplacements replaces the value. Null if the
+    /// operation has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -154,8 +153,9 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Displacement that the registration and the picking of the part remove from `effect_base_mm_per_unit`,
-    /// in the base frame.
+    /// Displacement that is subtracted from `effect_base_mm_per_unit`, in the base frame. The registration
+    /// removes a part of the effect. If the operation places a picked part, the effect at the pick is
+    /// subtracted, too.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],

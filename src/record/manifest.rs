@@ -38,7 +38,7 @@ pub struct ManifestDocument {
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
-    /// SHA-256, in hexadecimal, of all text of the manifest that precedes this key. The program adds this key
+    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
     /// to the text when it writes the manifest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,

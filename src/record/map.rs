@@ -62,7 +62,7 @@ pub struct MapDocument<'a> {
     /// Cycle time of the layout; left out if the layout is not feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time: Option<CycleTimeEntry>,
-    /// Placement of every piece of equipment, without obstacles.
+    /// Placements by the name of the equipment. Obstacles are left out, because a layout does not place them.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
     /// Comparison of measured positions with the predicted errors, one entry for each file. Left out

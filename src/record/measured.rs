@@ -18,19 +18,19 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
     pub file: String,
-    /// Statistics of the measured errors of the nominal robot.
+    /// Statistics of the measured errors: the distances between measured and nominal positions.
     pub measured: AccuracyEntry,
-    /// Statistics of the predicted error sizes of the nominal robot.
+    /// Statistics of the predicted sizes of these errors.
     pub predicted: AccuracyEntry,
     /// Whether the predicted sizes include the random part of the errors. Sizes that include this part are
     /// root mean squares.
     pub predicted_rms: bool,
-    /// Statistics of the measured minus the predicted errors.
+    /// Statistics of the lengths of the differences between measured and predicted errors.
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors are assumed constant over the poses. The fit of base and reflectors absorbs a part
-    /// of the random errors.
+    /// The random errors of a robot are assumed equal at all poses. The fit of base and reflectors absorbs a
+    /// part of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
     /// misfit of a calibration is an example of such errors. Null unless the error set of the robot comes
@@ -64,7 +64,7 @@ pub struct ComparedPosition {
     pub predicted_mm: [f64; 3],
     /// Predicted size of the error.
     pub predicted_size_mm: f64,
-    /// Size of the measured minus the predicted error.
+    /// Length of the difference between `measured_mm` and `predicted_mm`.
     pub residual_mm: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random
     /// part.

@@ -57,12 +57,12 @@ pub struct ExpectedEntry {
     pub before_mm: f64,
     /// Error after the planned poses are measured.
     pub after_mm: f64,
-    /// Error after equally many poses that are spread evenly over the joint space instead of chosen by the
-    /// plan.
+    /// Error after the same number of other poses is measured. These poses are spread evenly over the joint
+    /// space.
     pub evenly_spread_mm: f64,
-    /// Assumed standard deviation per axis of the unexplained error that nearby poses share.
+    /// Assumed unexplained error that is nearly equal at nearby poses, as a standard deviation per axis.
     pub shared_misfit_mm: f64,
-    /// Assumed standard deviation per axis of the unexplained error of each pose.
+    /// Assumed unexplained error that is independent from pose to pose, as a standard deviation per axis.
     pub own_misfit_mm: f64,
 }
 
@@ -80,8 +80,9 @@ pub struct TriedEntry {
 }
 
 impl ExpectedEntry {
-    /// Returns the entry for the expected errors (m) without a measurement, after the planned poses, and
-    /// after evenly spread poses.
+    /// Returns the entry for three expected errors, m. The first is the error without a measurement. The
+    /// second is the error after the planned poses are measured. The third is the error after evenly spread
+    /// poses are measured.
     pub fn new(nodes: usize, [before, after, evenly]: [f64; 3], error: UnmodelledError) -> Self {
         Self {
             nodes,

@@ -63,13 +63,14 @@ pub struct RobustnessEntry {
     /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of all
     /// bodies, also of bodies that `tolerance` leaves out.
     pub corners: usize,
-    /// Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
-    /// operation cannot be done at any corner.
+    /// Evaluated corner of the tolerance boxes with the greatest value of the operation. Null if `tolerance`
+    /// is empty, or if the operation cannot be done at any corner.
     pub worst: Option<CornerEntry>,
-    /// Evaluated corners at which the operation cannot be done.
+    /// Evaluated corners of the tolerance boxes at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
-    /// Change of the value of the operation per mm or degree of each coordinate. The coordinates of the
-    /// equipment come first, then the other coordinates in `tolerance`.
+    /// Change of the value of the operation per mm or degree of each coordinate. The four coordinates of the
+    /// equipment under the operation come first. The other coordinates with a placement tolerance (see
+    /// `tolerance`) follow.
     pub gradient: Vec<SlopeEntry>,
     /// Largest multiple of the tolerances at which the operation stays feasible and within its limit. Null if
     /// no placement has a tolerance.

@@ -58,8 +58,8 @@ pub struct MapNode {
     pub mean_deg: Option<BySense>,
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
-    /// Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit of the
-    /// operation.
+    /// Yield: share of arms whose error does not exceed the limit of the operation. The parameter errors of
+    /// the arms are random and follow the tolerances.
     pub r#yield: Option<f64>,
 }
 

@@ -23,8 +23,9 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest regret: value at the spot that the signed sample chooses, divided by the least value. Null if
-    /// no regret is known, for example if the signed sample chooses no spot.
+    /// Largest regret over all operations, readings and registrations. A regret is `at_signed_choice` divided
+    /// by `value` of one entry in `readings`. Null if no regret is known, for example if the signed reading
+    /// has no spot.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,
@@ -56,13 +57,12 @@ pub struct ReadingEntry {
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value under `reading` at the posture that the signed reading chooses. Both readings use
-    /// `registration`.
+    /// Value under `reading` and `registration`, at the posture that the signed reading chooses with the same
+    /// registration.
     pub at_signed_choice: Option<f64>,
-    /// Value at the posture that `reading` chooses with the registration `none`. The value itself uses
-    /// `registration`.
+    /// Value under `reading` and `registration`, at the posture that `reading` chooses without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// Regret of choosing the spot by the signed sample: `at_signed_choice` divided by `value`.
+    /// Regret of the choice of the spot by the signed reading: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,
     /// Distance between the best node under `reading` and the best node under the signed reading.
     pub moved_mm: Option<f64>,
@@ -70,8 +70,8 @@ pub struct ReadingEntry {
     pub reason: Option<String>,
 }
 
-/// Largest regret of choosing a spot by the signed sample, and the operation, reading and registration where
-/// it occurs.
+/// Largest regret of the choice of a spot by the signed reading, with its operation, reading and
+/// registration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {

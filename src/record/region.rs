@@ -39,13 +39,15 @@ pub struct RegionEntry {
 }
 
 /// Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
-/// rotates if its x, y and yaw have ranges. Carried equipment rotates only with its carrier.
+/// rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only with its
+/// carrier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
     /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
-    /// Reason why the rotation cannot exceed the angle in `turn_deg` that is nearer to 0.
+    /// Reason why the rotation ends in the direction that allows less rotation. If both directions allow
+    /// equal rotations, the reason belongs to the negative direction.
     pub ends_with: String,
 }
 
@@ -72,8 +74,8 @@ impl RegionEntry {
 }
 
 impl TurnEntry {
-    /// Returns the rotation of the whole cell. Returns None if no regions were computed. Also returns None if
-    /// x, y or yaw of the equipment under an operation has no range.
+    /// Returns the allowed rotation of the equipment about the base axis. Returns None if no regions were
+    /// computed. Also returns None if the equipment under an operation does not rotate.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
         let turn_deg = inward([*least, *most].map(degrees), 2);

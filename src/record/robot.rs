@@ -150,8 +150,8 @@ pub struct EnvelopeSize {
 #[serde(deny_unknown_fields)]
 pub struct SizeEntry {
     pub volume_m3: f64,
-    /// Estimated error of the volume. The estimate is the difference from the volume that sample points at
-    /// twice the distance give.
+    /// Estimated error of the volume: the difference from a second volume. The second volume is computed with
+    /// twice the distance between the sample points.
     pub volume_error_m3: f64,
     pub rotationally_symmetric: bool,
     /// Least and greatest distance from the vertical axis through the base; null if nothing is reached.

@@ -94,7 +94,7 @@ impl DocumentKind {
         }
     }
 
-    /// Returns the JSON Schema (draft 7) of the written document.
+    /// Returns the JSON Schema (draft 7) of the documents of this kind.
     pub fn schema(self) -> Value {
         match self {
             Self::SearchResult => of::<SearchResult>(),

@@ -50,17 +50,18 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Error figures for several senses, each under the name of its sense; null if the operation has no spot.
-/// Worst case and statistics are null in the signed reading if an error dr or dl exceeds the arm's reach.
-/// Such errors compensate each other and are not tolerances.
+/// Error figures by sense; null if the operation has no spot. Worst case and statistics are null in the
+/// signed reading if the errors of the sample compensate each other. The program assumes this if the error of
+/// a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
-    /// Largest allowed value of the operation. If the objective is a tolerance cost, the limit is the cost of
-    /// the tightest tolerances.
+    /// Largest allowed value of the operation. If the objective is a tolerance cost, this limit is the cost
+    /// of the tightest tolerances. A greater value means that the error exceeds its own limit even with the
+    /// tightest tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` replaces the value.

@@ -33,8 +33,9 @@ pub struct SweepPlan {
     /// Whether a search runs for every combination. If false, the layout of the cell file is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
-    /// Flags of `search --islands`, which apply to every island. The seeds of the islands are in `sets`.
-    /// Present only if the combinations are the islands of one search.
+    /// Flags of the command `search --islands`. This command runs one search per seed and plans every search
+    /// as a combination of a sweep. The flags apply to all searches, and `sets` contains the seeds. Left out
+    /// in the plan of the command `sweep`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub island_flags: Option<Vec<Setting>>,
     /// Seed of every combination; null means the seed of the cell.
@@ -44,8 +45,8 @@ pub struct SweepPlan {
     pub combinations: usize,
     /// Hashes of the files that the combinations read; empty until the program has read these files.
     pub inputs: Vec<HashedFile>,
-    /// SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
-    /// exists only in the written file.
+    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
+    /// to the text when it writes the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -138,8 +139,8 @@ pub struct SweepRow {
     /// settings. Empty if the layout is not feasible. For an island of a search, the only file is
     /// NNNN.island.json.
     pub files: Vec<HashedFile>,
-    /// SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
-    /// exists only in the written file.
+    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
+    /// to the text when it writes the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }

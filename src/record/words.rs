@@ -26,9 +26,9 @@ pub fn reading_word(cell: &Cell) -> &'static str {
 /// Returns the name of the objective: [`value_word`], or a phrase such as "sum of the operations' worst
 /// cases".
 ///
-/// The phrase is used if the objective combines several operations in a worst-case or statistical reading.
-/// The figures of the operations may then belong to different arms. There may be no single arm with the
-/// combined value.
+/// The phrase is used if the objective combines several operations in a worst-case or statistical reading. In
+/// such a reading, the errors of the arm are not fixed values. The figures of two operations may result from
+/// different values of these errors. So there may be no single set of errors that gives the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;
@@ -53,7 +53,7 @@ pub fn objective_word(cell: &Cell) -> String {
 pub const VALUE_WORDS: [&str; 8] =
     ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99", "tolerance cost"];
 
-/// Returns whether the name of an error set states that its numbers are guessed: it begins with "guess".
+/// Returns whether an error set is a guess. The name of a guessed error set begins with "guess".
 pub fn is_guess(error_set: &str) -> bool {
     error_set.starts_with(GUESS)
 }

@@ -13,7 +13,7 @@ pub struct LayoutFrames {
     pub layout: String,
     /// Pose of the robot base.
     pub base: Pose,
-    /// Frames of the equipment, without obstacles.
+    /// Frames of the equipment; obstacles are left out.
     pub equipment: Vec<NamedFrame>,
     /// Frames of the TCP at the spots of the operations.
     pub spots: Vec<SpotFrame>,

@@ -177,7 +177,7 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("{ allowed = [[\"tool\"]] }").contains("must be a list of 2 names"));
     assert!(said("{ allowed = true }").contains("must be a list of pairs"));
     assert!(said("{}").contains("`allowed` is missing"));
-    assert!(said("\"no\"").contains("must be a table"));
+    assert!(said("\"no\"").contains("must be a TOML table"));
 }
 
 /// Solids of links that overlap in every posture may touch. Solids that move apart may not touch.

@@ -19,8 +19,8 @@ pub struct MeasuredFlags {
     /// 1); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
-    /// Treat poses as one spot if their commanded positions differ by at most this length along every axis
-    /// [default: 1]
+    /// Group measured poses whose commanded positions differ from the first of the group by at most this
+    /// length per axis [default: 1]
     #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
     pub spot: Option<f64>,
 }

@@ -81,7 +81,8 @@ pub struct ExportArguments {
     /// Format to write
     #[arg(long, value_name = "FORMAT")]
     pub to: ExportFormat,
-    /// Write to this file [default: the name of the cell file or folder, in the current folder]
+    /// Write to this file [default: in the current folder, named like RESULT or CELL with the ending of the
+    /// format]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Export the start layout of a result folder instead of its best layout

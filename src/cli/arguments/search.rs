@@ -26,8 +26,8 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Assume that everything is placed exactly, and ignore placement tolerances. Clearance and margins apply
-    /// only if the cell file states them
+    /// Assume that everything is placed exactly, and ignore placement tolerances. Use 0 for a clearance or a
+    /// margin that the cell file leaves out, instead of the usual value
     #[arg(long)]
     pub ideal: bool,
     /// Minimize the worst case over the placement tolerances instead of the value at the nominal placements

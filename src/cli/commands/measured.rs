@@ -10,7 +10,8 @@ use crate::record::ComparedFile;
 use crate::units::m_from_mm;
 use crate::verification::{MeasuredComparison, PredictedErrors};
 
-/// Default of `--spot`, mm: poses of one spot differ by at most this distance along every axis.
+/// Default of `--spot`, mm: largest difference per axis between a commanded position and the first one of its
+/// group.
 const SPOT_MM: f64 = 1.0;
 
 /// Compares the errors of a cell with every table that the flags name.

@@ -180,8 +180,8 @@ const NEAR_BASE: f64 = 0.03;
 /// Least cosine of the angle between two axes that both count as vertical.
 const UPRIGHT: f64 = 0.9998;
 
-/// Returns remarks on the assumed order, signs, zeros and coupling of the joint columns, and on mirrored
-/// positions.
+/// Returns remarks on the assumed order, signs, zero offsets and coupling of the joint columns, and on
+/// mirrored positions.
 fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> Vec<String> {
     let map = &reading.joints;
     let name = |k: usize| shown(&joints[k].name);

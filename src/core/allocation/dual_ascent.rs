@@ -9,12 +9,12 @@
 //!           p_k = sum_i y_i . g_ik,   q_k = sum_j mu_j w_jk
 //! ```
 //!
-//! The function `c_k` is the cost of parameter k. Each vector `y_i` is the multiplier of one sign pattern of
-//! a worst case. The vector `f_i` is the sum of the fixed errors with the signs of this pattern. The vector
-//! `g_ik` is the error at the present tolerance of parameter k, with the sign of the pattern. Each number
-//! `mu_j` belongs to a root sum square. This root sum square is `sqrt(f_j^2 + sum_k w_jk u_k^2)`. A pattern
-//! is added when the scales violate its limit. For any multipliers, the value of the dual is a lower bound of
-//! the cost.
+//! The function `c_k` is the cost of parameter k. A sign pattern of a worst case gives every error a sign.
+//! Each vector `y_i` is the multiplier of one sign pattern. The vector `f_i` is the sum of the fixed errors
+//! with the signs of this pattern. The vector `g_ik` is the error at the present tolerance of parameter k,
+//! with the sign of the pattern. Each number `mu_j` belongs to a root sum square. This root sum square is
+//! `sqrt(f_j^2 + sum_k w_jk u_k^2)`. A pattern or a root sum square enters the dual when the scales violate
+//! its limit. For any multipliers, the value of the dual is a lower bound of the cost.
 //!
 //! At the end, all scales are divided once by the largest figure that exceeds its limit. No scale falls below
 //! its range, and fixed errors do not change. A figure can therefore still exceed its limit
@@ -29,7 +29,7 @@ use crate::cell::ToleranceCost;
 use nalgebra::{DMatrix, DVector, Vector6};
 use std::rc::Rc;
 
-/// Largest number of rounds that add sign patterns.
+/// Largest number of rounds. Each round maximizes the dual and then adds constraints to it.
 const MAX_ROUNDS: usize = 40;
 /// Largest number of Newton steps in one round.
 const MAX_STEPS: usize = 60;
@@ -40,12 +40,12 @@ const RIDGE_GROWTH: f64 = 1000.0;
 /// The dual has converged when the relative gain of a step is below this value.
 const CONVERGED: f64 = 1e-12;
 /// A coarse ascent ends when the largest derivative of the dual is at most this value. This derivative is the
-/// relative violation of a limit. Coarse ascents find the sign patterns that bind.
+/// relative violation of a limit. Coarse ascents find the constraints that bind.
 const COARSE: f64 = 1e-2;
 /// A fine ascent ends when the largest derivative of the dual is at most this value times the requested gap.
 const FINE: f64 = 0.1;
 /// Threshold of the relative violation of a limit after a fine ascent, as a multiple of the requested gap.
-/// Only a larger violation adds a sign pattern.
+/// Only a larger violation adds a constraint.
 const VIOLATION: f64 = 0.01;
 
 /// Cheapest scales of the tolerances, found by dual ascent.
@@ -75,9 +75,12 @@ impl PricedScales {
 }
 
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
-/// gap is at most `gap` unless the function ends early. It ends early after `MAX_ROUNDS` rounds, or after a
-/// fine ascent (see `FINE`) that adds no sign pattern. A sign pattern is one combination of the signs of all
-/// errors in a worst case.
+/// gap is at most `gap` unless the function ends early.
+///
+/// Each round maximizes the dual (ascent), and then adds the constraints that the scales violate. The first
+/// ascents are coarse. Fine ascents end when the largest derivative of the dual is at most `FINE * gap`. The
+/// function ends early after `MAX_ROUNDS` rounds. It also ends early if the scales of a fine ascent violate
+/// no further constraint.
 ///
 /// At the end, all scales are divided once by the largest figure if this figure exceeds 1. A figure can still
 /// exceed its limit, because fixed errors and scales at their lower bounds do not decrease. The relative
@@ -92,7 +95,7 @@ pub fn priced_scales(
     scratch: &mut FigureScratch,
 ) -> Option<PricedScales> {
     let mut terms: Vec<DualTerm> = Vec::new();
-    // Coarse ascents find the sign patterns that bind.
+    // Coarse ascents find the constraints that bind.
     let fine = FINE * gap;
     let mut tolerance = COARSE.max(fine);
     for round in 0..MAX_ROUNDS {

@@ -21,7 +21,7 @@ const MAX_ROUNDS: usize = 40;
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Largest relative excess of a judged figure over its limit at which the limit still counts as met.
+/// Allowed relative excess of a judged figure over its limit. Up to this excess, the limit counts as met.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit at the initial scales. In the first round, a requirement
 /// gets a cut only if its ratio reaches this share. This rule applies only if linear figures are kept as
@@ -35,8 +35,8 @@ pub trait ToleranceJudge {
     /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
-    /// Returns the linear figures of the requirements `which`. They approximate the judged figures near the
-    /// scales of the last call of [`Self::values`].
+    /// Returns the linear figures of the requirements whose indices are in `which`. They approximate the
+    /// judged figures near the scales of the last call of [`Self::values`].
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
     /// Returns whether every linear figure is a lower bound of its judged figure. If so, [`allocate_judged`]
@@ -52,10 +52,10 @@ pub struct JudgedAllocation {
     pub judged: Vec<f64>,
     /// Index of the round that gave this allocation; the first round has the index 0.
     pub rounds: usize,
-    /// Largest relative excess of a judged figure over its limit after the first round. This excess measures
-    /// the error of the linear problem.
+    /// Largest relative excess of a judged figure over its limit, for the scales of the first round. This
+    /// excess measures the error of the linear problem.
     pub missed: f64,
-    /// Largest relative excess of a judged figure over its limit at the end.
+    /// Largest relative excess of a figure in [`Self::judged`] over its limit.
     pub excess: f64,
     /// Common scale of uniform tightening, and its cost; None if no common scale meets the limits.
     pub uniform: Option<(f64, f64)>,
@@ -70,7 +70,8 @@ struct LinearModel<'a> {
 }
 
 impl LinearModel<'_> {
-    /// Adds the linear figures of the requirements `which`, scaled to their judged values at the scales `at`.
+    /// Adds the linear figures of the requirements whose indices are in `which`. Each figure is scaled to its
+    /// judged value at the scales `at`.
     fn add(&mut self, which: &[usize], linear: Vec<LinearFigure>, values: &[f64], at: &[f64]) {
         for (&requirement, figure) in which.iter().zip(linear) {
             let value = figure.value(at, &mut self.scratch);

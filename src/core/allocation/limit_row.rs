@@ -71,8 +71,9 @@ impl LimitRow {
         self.constant + costs.iter().enumerate().map(of).sum::<f64>()
     }
 
-    /// Returns the value of the constraint minus its limit, and the derivative of this difference. The
-    /// derivative is with respect to the logarithm of the multiplier.
+    /// Returns the value of the constraint minus its limit, and the derivative of this difference. The scales
+    /// minimize the Lagrangian at the given multiplier ([`Self::multiplier`]). The derivative is with respect
+    /// to the logarithm of the multiplier.
     fn excess(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64], multiplier: f64) -> (f64, f64) {
         let (mut sum, mut slope) = (self.constant - 1.0, 0.0);
         for (k, cost) in costs.iter().enumerate() {
@@ -87,7 +88,8 @@ impl LimitRow {
     }
 
     /// Returns a lower bound of the cost from a few Newton steps. The steps update `x`, the logarithm of the
-    /// multiplier. The function writes to `scales` the cheapest scales at the last multiplier that it tried.
+    /// multiplier. The function writes to `scales` the scales that minimize the Lagrangian at the last
+    /// multiplier.
     pub(super) fn quick_bound(
         &self,
         costs: &[ToleranceCost],
@@ -120,8 +122,10 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least Lagrange multiplier of this constraint at which the cheapest scales keep it.
-    /// Newton's method within a bracket finds the multiplier.
+    /// Returns the least Lagrange multiplier of this constraint whose scales satisfy the constraint. The
+    /// scales of a multiplier minimize the Lagrangian, which is a sum. The terms are the costs, the linear
+    /// prices `p`, the quadratic prices `q`, and this constraint times its multiplier. Newton's method within
+    /// a bracket finds the multiplier.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;
@@ -150,7 +154,7 @@ impl LimitRow {
         x.exp()
     }
 
-    /// Returns a lower bound of the cost of scales that keep the constraint.
+    /// Returns a lower bound of the cost of all scales that satisfy the constraint.
     pub fn least_cost(&self, costs: &[ToleranceCost]) -> f64 {
         let zeros = vec![0.0; costs.len()];
         let multiplier = self.multiplier(costs, &zeros, &zeros);

@@ -33,8 +33,8 @@ pub struct FigureScratch {
 }
 
 impl LinearFigure {
-    /// Returns the figure at the scales `u`. A worst case with more than three components may be an upper
-    /// bound.
+    /// Returns the figure at the scales `u`. If the error has more than three components, the returned worst
+    /// case may be only an upper bound.
     pub fn value(&self, u: &[f64], scratch: &mut FigureScratch) -> f64 {
         match self {
             Self::WorstCase { rows, generators, fixed } => {

@@ -42,7 +42,8 @@ impl NearbyPrice {
         near.reduced_cost(costs, figures, scratch).map(|_| near)
     }
 
-    /// Returns an upper bound of the price of `figures`, at most `most`; None if the price exceeds `most`.
+    /// Returns an upper bound of the price of `figures`. A returned bound never exceeds `most`. Returns None
+    /// if the price exceeds `most`.
     ///
     /// The bound is [`Self::reduced_cost`]. If this cost is missing or exceeds `most`, the price itself is
     /// computed.
@@ -60,8 +61,9 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the scales that [`Self::new`] found, divided so that `figures` meet their limits.
-    /// The divisor is the largest of `figures` at these scales, but at least 1.
+    /// Divides the scales that [`Self::new`] found by one divisor, so that `figures` meet their limits.
+    /// Returns the cost of the divided scales. The divisor is the largest of `figures` at the undivided
+    /// scales, but at least 1.
     ///
     /// Returns None if a divided scale leaves its range, or if a figure still exceeds its limit.
     pub fn reduced_cost(

@@ -73,12 +73,12 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear
-    /// effects.
+    /// Returns whether the figure is a high percentile in the statistical reading. In the linear error model,
+    /// the square of such a figure is a convex function of the squared scales.
     ///
-    /// The square of a high percentile is convex. Consider normal errors with mean 0, and let c be the square
-    /// of the percentile for a unit variance in one direction. The squared percentile then lies between c
-    /// times the largest eigenvalue and c times the trace of the covariance. The square of a mean or of a low
+    /// The reason is as follows. Consider normal errors with mean 0, and let c be the square of the
+    /// percentile for a unit variance in one direction. The squared percentile then lies between c times the
+    /// largest eigenvalue and c times the trace of the covariance. The square of a mean or of a low
     /// percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
@@ -131,8 +131,9 @@ impl NodeFigure<'_> {
     ///
     /// Consider normal errors of equal mean square. A high percentile is least if all directions have equal
     /// variance. A low percentile is least if the errors have one direction. A high percentile of a bounded
-    /// error may be below that of a normal error. It is at least the root mean square. If an error is
-    /// bounded, the result is therefore 1 for a high percentile, and 0 for a low percentile.
+    /// error may be below the same percentile of a normal error. The percentile of the bounded error is still
+    /// at least the root mean square. If an error is bounded, the result is therefore 1 for a high
+    /// percentile, and 0 for a low percentile.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -194,8 +195,9 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns a root sum square that equals a percentile of normal errors at the present tolerances. The
-    /// derivatives with respect to the squared scales are also equal. The mean of the errors counts as 0.
+    /// Returns a root sum square that equals a percentile of normal errors at the present tolerances. At
+    /// these tolerances, the root sum square and the percentile also have equal derivatives with respect to
+    /// the squared scales. The mean of the errors counts as 0.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///

@@ -43,7 +43,8 @@ pub struct TolerancePricing {
     first_multiplier: f64,
 }
 
-/// Tolerances of a cell with the limit of one operation.
+/// Data for the prices of one operation: the tolerances of the cell, and the limit of the operation. The
+/// price of a node is the cost of the cheapest tolerances with which the error stays within this limit.
 #[derive(Debug, Clone)]
 pub struct OperationPricing {
     pub tolerances: Arc<TolerancePricing>,
@@ -76,7 +77,8 @@ impl TolerancePricing {
         &self.costs
     }
 
-    /// Returns the cost of the tightest tolerances. A greater price means that no tolerances meet the limits.
+    /// Returns the cost of the tightest tolerances. If [`Self::price`] exceeds this cost, no tolerances meet
+    /// the limits.
     pub fn most(&self) -> f64 {
         self.most
     }

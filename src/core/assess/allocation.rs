@@ -184,7 +184,7 @@ impl<'a> CellAllocation<'a> {
         found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)
     }
 
-    /// Returns the unit of the figures and the limit of an operation.
+    /// Returns the unit of an operation, in which its figures and its limit are given.
     pub fn unit(&self, operation: usize) -> Unit {
         self.workcell.cell.operations[operation].sense.unit
     }

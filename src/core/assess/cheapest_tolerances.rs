@@ -17,7 +17,7 @@ pub struct CheapestTolerances {
     /// Monte Carlo checks; empty unless the reading is statistical.
     pub sampled: Vec<SampledRequirement>,
     /// Number of repeated allocations. An allocation is repeated if Monte Carlo samples refute a figure and
-    /// exceed its limit.
+    /// the sampled figure exceeds the limit.
     pub sampled_rounds: usize,
 }
 

@@ -74,10 +74,12 @@ impl<'a> OperationCorrector<'a> {
         Ok(self.corrected(&context.joints, &context.frames.tcp, context.situation))
     }
 
-    /// Returns the [`WorkContext`] (work frame and pick) for targets that are not nodes of the map.
+    /// Returns the [`WorkContext`] for targets that are not nodes of the map. Together with a posture, this
+    /// context determines the error.
     ///
     /// # Errors
-    /// Returns the reason if the frame of the surface cannot be taught.
+    /// Returns the reason if the taught frame cannot be computed. Also returns the reason if the posture at
+    /// which the part was picked cannot be computed.
     pub fn context(&self) -> Result<WorkContext, String> {
         let cell = &self.workcell.cell;
         let home = cell.robot.home;

@@ -83,8 +83,8 @@ pub struct Assessment<'a> {
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
-    /// If the samples refute these figures, figures from the samples replace them in [`Self::maps`] at the
-    /// spot.
+    /// If the samples do not confirm these figures, figures from the samples replace them in [`Self::maps`]
+    /// at the spot.
     pub confirmed: Vec<Option<bool>>,
     /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
     /// layout is not feasible.
@@ -208,10 +208,12 @@ impl<'a> Assessment<'a> {
         self.confirmed[operation]
     }
 
-    /// Returns the bounds of `proof` that hold for this layout, and the gap `objective / bound - 1`. The
-    /// objective belongs to this layout, and the bound to the returned proof.
+    /// Returns `proof` without the bounds that do not hold for this layout. Also returns the gap `objective /
+    /// bound - 1`. The gap compares the objective of this layout with the bound of the returned proof. The
+    /// gap is None if the layout is infeasible, or if the returned proof has no bound above 0.
     ///
-    /// The bound of an operation is left out if samples refute the first-order figures of that operation.
+    /// The bound of an operation does not hold if its Monte Carlo samples do not confirm its first-order
+    /// figures ([`Self::first_order_holds`]).
     pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {
         let proof = proof.without(self.workcell, |k| self.confirmed[k] == Some(false));
         let bound = proof.bound.filter(|bound| *bound > 0.0);
@@ -249,11 +251,13 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the objective is a share
     /// of failures, which already counts the arms that exceed the limit.
     ///
-    /// If the objective is the cost of tolerances, the limit in the result is not an error. This limit is the
-    /// cost of the tightest tolerances, also if the quantity is the yield. A greater cost means that the
-    /// error exceeds its limit even at the tightest tolerances. If the cost of tolerances is only one of
-    /// several goals, the result is None. The limits then apply to the errors at the chosen tolerances, not
-    /// at the tolerances of the error set.
+    /// If the objective is the cost of tolerances, the limit in the result is the cost of the tightest
+    /// tolerances. The quantity, for example the yield, does not change this rule. The error may exceed its
+    /// limit even at the tightest tolerances. The cost of the operation is then the cost of the tightest
+    /// tolerances times the ratio of error to limit. The margin is therefore negative.
+    ///
+    /// If the cost of tolerances is only one of several goals, the result is None. The limits then apply to
+    /// the errors at the chosen tolerances, not at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -308,8 +312,9 @@ impl<'a> Assessment<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
     pub limit: f64,
-    /// Limit minus the error of the operation under the reading, or minus the cost of its tolerances. The
-    /// margin is negative if the limit is exceeded.
+    /// Limit minus the error of the operation under the reading. If the objective is the cost of tolerances,
+    /// the cost of the operation's tolerances replaces the error. The margin is negative if the limit is
+    /// exceeded.
     ///
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
     /// The error stays if no such bound is known.

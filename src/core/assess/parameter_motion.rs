@@ -6,7 +6,8 @@ use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Frame whose axis is the axis of a small motion.
+/// Frame that defines the axis of a small motion. This axis is the x, y or z axis of the frame
+/// ([`ParameterMotion::axis`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionFrame {
     Base,

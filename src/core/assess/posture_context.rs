@@ -113,11 +113,12 @@ impl<'a> PostureContext<'a> {
     /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
     /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. The workcell is needed
-    /// only for a taught frame or for the pick of a placed part. Taught frame and pick depend on the inverse
-    /// kinematics.
+    /// only if the surface frame is taught, or if an earlier operation picked the part. Both cases need the
+    /// inverse kinematics for further postures.
     ///
     /// # Errors
-    /// Returns the reason if the taught frame or the pick of the operation cannot be computed.
+    /// Returns the reason if the taught frame cannot be computed. Also returns the reason if the posture at
+    /// which the part was picked cannot be computed.
     pub fn of_joints(
         cell: &'a Cell,
         workcell: Result<&Workcell, &str>,
@@ -164,8 +165,8 @@ impl PostureContext<'_> {
     }
 }
 
-/// Returns the [`WorkContext`] of an operation that uses a taught frame or places a picked part. The taught
-/// frame and the pick are computed from other postures than the posture of the operation.
+/// Returns the [`WorkContext`] of an operation that uses a taught frame or places a picked part. This context
+/// depends on further postures: the postures that teach the frame, or the posture that picked the part.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

@@ -33,11 +33,11 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value under the reading of this row, at the posture that the signed reading chooses with the same
-    /// registration.
+    /// Value under the reading and registration of this row, at the posture of a second row. The second row
+    /// has the signed reading and the same registration.
     pub at_signed: Option<f64>,
-    /// Value with the registration of this row, at the posture that this reading chooses without
-    /// registration.
+    /// Value under the reading and registration of this row, at the posture of a second row. The second row
+    /// has the same reading and no registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }

@@ -20,7 +20,7 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// All remedies, in ascending order of the work that they need.
+    /// All remedies, in ascending order of their work.
     pub const ALL: [Remedy; 4] = [Remedy::AsDrawn, Remedy::Calibrated, Remedy::Moved, Remedy::Both];
 }
 
@@ -82,9 +82,11 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which suffices alone; empty if no remedy suffices.
     ///
-    /// If there are limits, the advised remedies meet the limits with the least work. Otherwise, a remedy
-    /// qualifies if its error exceeds the least error by at most 1 % of the error as drawn. Only the
-    /// qualifying remedy with the least work is advised.
+    /// A remedy takes no step, one step (calibration or a new layout) or both steps. If there are limits, the
+    /// function finds the least number of steps with which a remedy suffices. It returns all sufficient
+    /// remedies with this number of steps. If there are no limits, a remedy qualifies if its error is near
+    /// the least error. The largest allowed difference is 1 % of the error as drawn. Only the qualifying
+    /// remedy with the least work is advised.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
         if self.has_limits() {

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 const STEPS: usize = 100;
 /// The fit has converged when its largest step, in prior standard deviations, is at most this value.
 const CONVERGED: f64 = 1e-6;
-/// Smallest fraction of a scoring step (Fisher) that one iteration applies to the variances.
+/// Smallest fraction of a step of Fisher's scoring method by which one iteration changes the variances.
 const LEAST_SHARE: f64 = 0.1;
 /// The variances count as converged only if the largest step of an unknown is below this value. The unit of
 /// the step is the prior standard deviation.
@@ -142,8 +142,8 @@ impl<'a> Fit<'a> {
         Ok(largest)
     }
 
-    /// Applies the fraction `share` of one scoring step to the variances of the misfit. Returns the relative
-    /// change of largest absolute value, with its sign.
+    /// Changes the variances of the misfit by the fraction `share` of one step of Fisher's scoring method.
+    /// Returns the relative change of largest absolute value, with its sign.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {

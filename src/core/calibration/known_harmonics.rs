@@ -54,8 +54,9 @@ impl Calibration {
     ///
     /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, the result is a
     /// first term minus a second term, but at least 0. The first term is the variance of the sum of zero
-    /// error and periodic error, averaged over the measured range. The second term is the variance of the
-    /// zero error in [`Self::covariance_beside_periodic_errors`].
+    /// error and periodic error, averaged over the measured range. The second term is the variance that the
+    /// error set already states for the zero error. [`Self::covariance_beside_periodic_errors`] contains this
+    /// variance.
     pub fn variance_of_periodic_error(&self, joint: usize) -> f64 {
         if self.is_coupled() {
             return self.periodic_variance(joint);

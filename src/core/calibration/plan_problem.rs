@@ -17,7 +17,7 @@ const OF_SET_UP: usize = OF_BASE + 3;
 /// Errors of measured positions that the unknowns do not explain, per axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnmodelledError {
-    /// Standard deviation of the part of the error that nearby poses share, m.
+    /// Standard deviation of the part of the error that is nearly equal at nearby poses, m.
     pub shared: f64,
     /// Length scale of the shared part of the error: distance in the joint space over which this part
     /// changes, rad.
@@ -50,7 +50,9 @@ pub struct IntendedCalibration<'a> {
 }
 
 impl IntendedCalibration<'_> {
-    /// Returns the least number of poses with at least as many measured coordinates as unknowns.
+    /// Returns the least number of poses that together give at least one measured coordinate per unknown.
+    /// Each pose gives three measured coordinates. Base and reflector count as unknowns
+    /// ([`Self::unknowns_with_set_up`]).
     pub fn least_poses(&self) -> usize {
         self.unknowns_with_set_up().div_ceil(3)
     }
@@ -60,7 +62,8 @@ impl IntendedCalibration<'_> {
         self.unknowns.len() + OF_SET_UP
     }
 
-    /// Returns the motion of a point (m, interface frame) per standard deviation of each unknown.
+    /// Returns the displacement of a point per standard deviation of each unknown, base frame, m. `point` is
+    /// the point in the interface frame, m.
     ///
     /// The last nine columns belong to the set-up, whose standard deviations are 1 m and 1 rad.
     fn slopes(&self, joints: &JointVector, point: &Vector3<f64>) -> Matrix3xX<f64> {

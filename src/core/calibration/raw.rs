@@ -53,7 +53,7 @@ impl RotationConvention {
     const OF_ANGLES: [Self; 5] =
         [Self::IntrinsicXyz, Self::FixedXyz, Self::IntrinsicZyx, Self::IntrinsicZyz, Self::Vector];
 
-    /// Returns the conventions that the numbers can have.
+    /// Returns the conventions in which the numbers of `raw` can be read.
     pub fn of(raw: &RawRotation) -> &'static [Self] {
         match raw {
             RawRotation::Angles(_) => &Self::OF_ANGLES,

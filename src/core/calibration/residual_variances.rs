@@ -86,8 +86,8 @@ impl ResidualVariances {
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
-    /// Applies the fraction `share` of one scoring step to the variances. Returns the new variances, and the
-    /// signed relative change of the variance that changes most.
+    /// Returns the variances after the fraction `share` of one step of Fisher's scoring method. Also returns
+    /// the signed relative change of the variance that changes most.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);

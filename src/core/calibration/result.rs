@@ -39,10 +39,12 @@ pub struct Calibration {
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
     /// Number of identified directions: the data reduce the standard deviation in such a direction to less
-    /// than half. The directions are in the space of the unknowns without harmonics, each unknown divided by
-    /// its prior standard deviation.
+    /// than half. The space of these directions has one coordinate for each unknown that is not a harmonic.
+    /// Every coordinate is divided by the prior standard deviation of its unknown.
     pub rank: usize,
-    /// Directions that the data do not identify, as unit vectors in the same space as for [`Self::rank`].
+    /// Directions that the data do not identify, as unit vectors. Each vector has one component for each
+    /// unknown that is not a harmonic. Every component is divided by the prior standard deviation of its
+    /// unknown.
     pub unidentified: Vec<Vec<f64>>,
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,

@@ -36,8 +36,8 @@ pub fn reflectors(measured: &[MeasuredPosition]) -> usize {
     measured.iter().map(|m| m.reflector + 1).max().unwrap_or(0)
 }
 
-/// Returns the positions of `count` rows, drawn at random without repetition, in the order of the rows.
-/// Returns all positions if there are at most `count` rows.
+/// Returns the measured positions of `count` different rows, which are drawn at random. The positions keep
+/// the order of `measured`. Returns all positions if there are at most `count` rows.
 pub fn drawn(measured: &[MeasuredPosition], count: usize, seed: u64) -> Vec<MeasuredPosition> {
     let mut rows: Vec<_> = measured.iter().map(|m| m.row).collect();
     rows.dedup();

@@ -1,21 +1,22 @@
-//! Least-squares fit of base and reflectors to random displacements of the measured positions. The fit
-//! absorbs a part of these displacements.
+//! Least-squares fit of base and reflectors to displacements of the measured positions. Errors of the arm
+//! cause these displacements. The fit absorbs a part of them.
 
 use nalgebra::{DMatrix, Vector3};
 
-/// Jacobians of one position: first for the random motions, then for the motions of the fitted frames.
+/// Two Jacobians of one position: for the errors of the arm, and for the unknowns of base and reflectors.
 ///
-/// Each Jacobian has three rows (m, base frame) and one column for each motion.
+/// Each Jacobian has three rows (m, base frame) and one column for each error or unknown.
 pub type PositionJacobians = (DMatrix<f64>, DMatrix<f64>);
 
-/// Returns the matrix with the given columns, m per unit of the motion.
+/// Returns a Jacobian of one position. Each of the columns `slopes` is the displacement of the position, m,
+/// per unit of one error or unknown.
 pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
     let columns: Vec<_> = slopes.collect();
     DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
-/// Returns, for each random motion, the steps of the fitted frames that reproduce it best (least squares).
-/// Each column of the result belongs to one random motion.
+/// Returns the changes of base and reflectors that best reproduce the displacements of each error (least
+/// squares). Each column of the result belongs to one error of the arm.
 ///
 /// Each entry of `columns` belongs to one position. Returns None if `columns` is empty, or if the Cholesky
 /// factorization of the normal matrix fails.

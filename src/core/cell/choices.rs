@@ -275,7 +275,8 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution with which a fitter can place equipment.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout. A layout file states coordinates of this resolution exactly.
+    /// Resolution of an ideal layout ([`SearchSettings::ideal`]). A layout file states multiples of this
+    /// resolution without rounding.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 

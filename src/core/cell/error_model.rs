@@ -269,7 +269,7 @@ impl Spread {
     /// Default half width of a tolerance as a number of standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Returns a normal spread whose half width is the absolute value of `value`.
+    /// Returns a tolerance with normal distribution whose half width is the absolute value of `value`.
     ///
     /// The half width is three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {
@@ -301,8 +301,8 @@ pub struct Covariance {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tolerance {
     pub name: String,
-    /// Spreads of all parameters in the order of [`Parameter::of_robot`]. For a parameter in `covariance`,
-    /// the spread follows from the diagonal of that matrix.
+    /// Tolerances of all parameters in the order of [`Parameter::of_robot`]. For a parameter in `covariance`,
+    /// the tolerance follows from the diagonal of that matrix.
     pub spreads: Vec<Spread>,
     pub covariance: Option<Covariance>,
     /// Cost models of all parameters in the order of `spreads`; empty if every parameter has the default

@@ -49,7 +49,9 @@ impl Placement {
         Self { x, y, z, yaw }
     }
 
-    /// Converts the placement `own`, given in the frame of `self`, to the frame in which `self` is given.
+    /// Converts the placement of a carried body from the frame of its carrier to the parent frame of the
+    /// carrier. `own` is the placement in the frame of the carrier. `self` is the placement of the carrier in
+    /// its parent frame.
     pub fn carrying(&self, own: &Placement) -> Placement {
         let (s, c) = self.yaw.sin_cos();
         Placement {

@@ -20,8 +20,8 @@ impl Cell {
 
     /// Returns the pedestal of the highest base that the cell allows.
     ///
-    /// The collision check uses this pedestal also for every lower base. The lower end of the pedestal is
-    /// below the floor if the base is lower.
+    /// The collision check uses this pedestal also for every lower base. If the base is not at its greatest
+    /// height, the lower end of this pedestal is below the floor.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)
     }

@@ -87,7 +87,7 @@ impl Cell {
     /// Returns a copy of this cell with another interpretation of its errors.
     ///
     /// # Errors
-    /// Returns every fault of the interpretation.
+    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
     pub fn with_interpretation(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |_| false)
     }
@@ -97,7 +97,8 @@ impl Cell {
     /// The values of the operations are not added up, so their senses may have different units.
     ///
     /// # Errors
-    /// Returns every fault of the interpretation, except senses of different units.
+    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
+    /// Senses with different units are no such reason here.
     pub fn with_interpretation_per_operation(
         &self,
         interpretation: &Interpretation,
@@ -126,13 +127,13 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns every fault of the interpretation of this cell. The list is empty for a cell that was read
-    /// from a file.
+    /// Returns every reason why the errors of this cell cannot be interpreted as the cell states. The list is
+    /// empty for a cell that was read from a file.
     pub fn interpretation_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
 
-    /// Returns every fault of an interpretation of this cell.
+    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
     pub fn faults_of(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let fault = |about, message, help: &str| QuestionFault { about, message, help: help.to_string() };
         let mut faults = Vec::new();

@@ -126,7 +126,7 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Pose of every joint frame, which is fixed to the link before the joint.
     ///
-    /// The pose is given in the Denavit-Hartenberg frame before the row of the joint.
+    /// The pose is given in the Denavit-Hartenberg frame of this link.
     ///
     /// For a URDF, the joint frame is the origin frame of the URDF joint. For a robot written as
     /// Denavit-Hartenberg rows, the pose is the identity.

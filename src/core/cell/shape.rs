@@ -83,7 +83,8 @@ pub type Extent = (Vector3<f64>, Vector3<f64>);
 
 /// Returns the axis-aligned bounding box of a shape in the frame of its carrier, m.
 ///
-/// The box of a leg is flat, at the height of its top, because its lower end depends on the placement.
+/// The box of a leg is flat and lies at the height of the top of the leg. The lower end of the leg is not
+/// known here, because it depends on the placement.
 pub fn extent(shape: &Shape) -> Extent {
     match shape {
         Shape::Box { pose, size } => {

@@ -21,9 +21,9 @@ pub struct ToleranceGrade {
 /// Law by which the cost of a parameter decreases with the scale `u` of its tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CostLaw {
-    /// Reciprocal power: `at / u^power`.
+    /// Reciprocal power: the cost is `at / u^power`, where `at` is the cost at scale 1.
     Reciprocal { at: f64, power: f64 },
-    /// Exponential: `at exp(-rate (u - 1))`.
+    /// Exponential: the cost is `at * exp(-rate * (u - 1))`, where `at` is the cost at scale 1.
     Exponential { at: f64, rate: f64 },
     /// Discrete grades in ascending order of their scales. A looser grade costs less.
     Grades(Vec<ToleranceGrade>),

@@ -1,5 +1,5 @@
-//! Joint enclosure: bounds of the joint coordinates while the arm follows a target through the target box, in
-//! one branch.
+//! Joint enclosure: bounds of the joint coordinates with which one branch reaches every target in the target
+//! box.
 
 use super::posed_chain::{PosedChain, Rows, times};
 use super::target_box::{BoxAxis, TargetBox};
@@ -9,7 +9,7 @@ use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Bounds of the joint coordinates with which the arm follows a target through the target box.
+/// Bounds of the joint coordinates with which one branch of the arm reaches every target in the target box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEnclosure {
     /// Half widths of the D-H coordinates about the nominal posture, rad or m; 0 for joints that do not move.
@@ -151,10 +151,11 @@ impl JointEnclosure {
         squares.sqrt() * if is_coupled { factor } else { 1.0 }
     }
 
-    /// Returns an upper bound of the displacement of the points in a ball that moves with a frame, m.
+    /// Returns an upper bound of the displacement of the points in a ball, m. The ball is fixed to the link
+    /// frame with the index `frame`. The displacement is relative to the link frame with the index `first`.
     ///
-    /// The ball has its centre at `centre` (base frame, m). The joints from `first` up to, but not including,
-    /// `frame` move the ball. `frames` are the frames of the nominal posture.
+    /// The centre of the ball is `centre` (base frame, m). Only joints with an index of at least `first` and
+    /// below `frame` cause the displacement. `frames` are the frames of the nominal posture.
     pub fn displacement(
         &self,
         chain: &Chain,

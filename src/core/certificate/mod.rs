@@ -16,7 +16,7 @@
 //! | file | content |
 //! |---|---|
 //! | `target_box` | set of possible targets |
-//! | `joint_enclosure` | bounds of the joint coordinates that follow the target |
+//! | `joint_enclosure` | bounds of the joint coordinates for all targets in the target box |
 //! | `posed_chain` | test that the arm follows the target within these bounds |
 //! | `misplacements` | bounds of the motion of solids |
 //! | `value_bound` | upper bound of the value |

@@ -77,7 +77,7 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Replaces the half width of the heading by its value for a radial azimuth, and returns the box. The
+    /// Returns the box of a target with a radial azimuth, which has another half width of the heading. The
     /// heading of a radial azimuth is the horizontal direction from the base axis to the target.
     ///
     /// `target` is the nominal position of the target in the base frame, m.

@@ -14,7 +14,8 @@ pub enum SolidRef {
     Floor,
     /// Pedestal of the robot base.
     Pedestal,
-    /// Wall on the edge of the fence with this index; the edge starts at the corner with the same index.
+    /// Wall of the fence. The index is that of an edge of the fence, and of the corner at which this edge
+    /// starts.
     Fence(usize),
 }
 

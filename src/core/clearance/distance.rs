@@ -39,7 +39,8 @@ pub struct Nearness {
 }
 
 impl Scene {
-    /// Returns the least distance of the robot from equipment, floor and fence, at most `max` (m).
+    /// Returns the least distance of the robot from equipment, floor and fence. If this distance exceeds
+    /// `max` (m), the result is `max`.
     ///
     /// `frames` are the link frames in the robot base frame, and `operation` selects the held parts. The
     /// solids are not enlarged by the clearance. The robot is not checked against itself. The program itself
@@ -54,7 +55,8 @@ impl Scene {
         self.nearest(placed, frames, self.outer_pairs(placed, Load::of(operation)), max)
     }
 
-    /// Returns the least distance of the robot from its surroundings during an operation, at most `max` (m).
+    /// Returns the least distance of the robot from its surroundings during an operation. If this distance
+    /// exceeds `max` (m), the result is `max`.
     ///
     /// Two kinds of pairs are left out, because their distance gives no information about the layout:
     ///
@@ -154,7 +156,8 @@ impl Scene {
         matches!(self.equipment[body.id.0].parts[body.id.1], EquipmentSolid::Mesh { .. })
     }
 
-    /// Returns the distance between the solids of a pair, at most `max` (m).
+    /// Returns the distance between the solids of a pair. If this distance exceeds `max` (m), the result is
+    /// `max`.
     fn gap(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, max: f64) -> f64 {
         let link = &self.links[pair.link];
         match pair.against {
@@ -206,7 +209,8 @@ fn bounds_of(body: &PlacedSolid) -> Aabb {
     Aabb::from_half_extents(vector(&body.bounds.centre), vector(&body.bounds.half))
 }
 
-/// Returns the distance between two solids of the robot, at most `max` (m).
+/// Returns the distance between two solids of the robot. If this distance exceeds `max` (m), the result is
+/// `max`.
 fn gap_of_links(link: &RobotSolid, other: &RobotSolid, frames: &LinkFrames, max: f64) -> f64 {
     let (frame, there) = (link.carrier(frames), other.carrier(frames));
     if link.swallows(frame, other, there) || other.swallows(there, link, frame) {
@@ -253,8 +257,8 @@ fn gap_to_mesh(mesh: &dyn Shape, relative: &pm::Pose, body: &CollisionBody, max:
     pieces.iter().fold(max, |gap, shape| piece(shape, gap))
 }
 
-/// Returns the distance between two solids, at most `max` (m). `relative` is the pose of `b` in the frame of
-/// `a`.
+/// Returns the distance between two solids. If this distance exceeds `max` (m), the result is `max`.
+/// `relative` is the pose of `b` in the frame of `a`.
 fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: f64) -> f64 {
     let round = ra + rb;
     let found = DefaultQueryDispatcher.closest_points(relative, a, b, max + round);

@@ -17,9 +17,9 @@ pub enum Party {
 
 /// Overlap of two floor spaces, or a distance between them that is below the clearance.
 ///
-/// A move in plan by `depth` (m) separates the two objects, clearance included. If `b` is the fence, `depth`
-/// is the distance by which `a` reaches beyond the fence, clearance included. If `b` is the floor, the move
-/// is upwards.
+/// If one object moves away from the other by `depth` (m) in plan, their distance becomes the clearance. If
+/// `b` is the fence, `depth` is the clearance plus the distance by which `a` reaches beyond the fence. If `b`
+/// is the floor, the move is upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     pub a: Party,

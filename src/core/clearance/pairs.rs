@@ -41,8 +41,8 @@ impl Load {
     /// Returns the load while the robot moves from one operation to another: the held parts of both
     /// operations.
     ///
-    /// Each argument is the index of an operation, and a flag. The flag states whether the part of this
-    /// operation may rest on the surface during the motion.
+    /// Each argument is a pair: the index of an operation, and a flag. The flag states whether the part of
+    /// this operation may rest on the surface during the motion.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {
         Self { held: [Some(from), Some(to)] }
     }
@@ -65,7 +65,7 @@ impl Pair {
 }
 
 impl Scene {
-    /// Returns the bounding spheres of all robot solids, held parts included.
+    /// Returns the bounding spheres of all robot solids and all held parts.
     pub fn bounding_spheres(&self) -> &[BoundingSphere] {
         &self.bounding_spheres
     }

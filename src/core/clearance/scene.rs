@@ -75,7 +75,7 @@ impl Scene {
         }
     }
 
-    /// Returns every pair of robot solids, tool and held parts included.
+    /// Returns every pair of robot solids. The solids of tool and held parts count as robot solids.
     ///
     /// Each pair states whether a contact is allowed, and why. If self-collision is not checked, only pairs
     /// with the pedestal are returned.

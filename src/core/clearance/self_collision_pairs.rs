@@ -37,7 +37,7 @@ impl Allowed {
     }
 }
 
-/// Two solids of the robot, tool and held parts included.
+/// Two solids of the robot. The solids of tool and held parts count as solids of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SelfCollisionPair {
     pub a: SolidRef,
@@ -46,7 +46,8 @@ pub struct SelfCollisionPair {
     pub allowed: Option<Allowed>,
 }
 
-/// Returns every pair of robot solids that are present in the same operation.
+/// Returns every pair of robot solids that the robot can carry at the same time. The robot carries a held
+/// part only during its operation.
 ///
 /// If self-collision is not checked, only pairs with the pedestal are returned.
 pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {

@@ -7,7 +7,8 @@ use crate::cell::{Cell, Coordinate, Layout, Role};
 use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
-    /// Returns the least distance between floor spaces that must not overlap, at most `max` (m).
+    /// Returns the least distance between floor spaces that must not overlap. If this distance exceeds `max`
+    /// (m), the result is `max`.
     ///
     /// Each distance is the root sum square of the distance in plan and the vertical distance.
     /// The result is 0 if any two floor spaces overlap. A pair that the search cannot move does not count,

@@ -8,8 +8,9 @@
 //! Newton's method uses the geometric Jacobian of the nominal arm. The relative difference between this
 //! Jacobian and the Jacobian of the arm with errors is about 0.001. So each step multiplies the remaining
 //! error by about 0.001, or by a larger factor near a singular posture. Position has priority over
-//! orientation. An arm with fewer than six joints attains the position. Least squares in the null space of
-//! the position give the nearest possible orientation.
+//! orientation. An arm with fewer than six joints attains the position, but only approximates the
+//! orientation. Motions in the null space of the position rows of the Jacobian do not move the TCP. Least
+//! squares choose the motion in this null space that leaves the least orientation error.
 
 mod step;
 
@@ -52,8 +53,9 @@ pub struct Correction {
 /// Returns the corrected joint coordinates for a target (base frame).
 ///
 /// `start` holds joint coordinates near the solution, such as those of the nominal robot at the target.
-/// `error` returns the error of the TCP in the base frame for given link frames. Joints with equal limits are
-/// passive and do not move.
+/// `error` returns the error of the TCP in the base frame for given link frames. A joint is passive if its
+/// lower limit equals its upper limit. The function does not change the actuator coordinates of passive
+/// joints.
 pub fn corrected(
     chain: &Chain,
     start: &JointVector,

@@ -1,4 +1,5 @@
-//! One Newton step: position first, orientation in the null space of the position.
+//! One Newton step: first the position, then the orientation. The second part is in the null space of the
+//! position rows of the Jacobian.
 
 use crate::pose::Displacement;
 use nalgebra::{DMatrix, DVector};

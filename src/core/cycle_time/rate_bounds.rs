@@ -24,7 +24,8 @@ impl RateBounds {
     /// Returns the bounds of a robot.
     ///
     /// A joint without a stated acceleration reaches its maximum speed in [`Robot::full_speed_after`]. If the
-    /// robot has no such time, the joint needs [`ASSUMED_FULL_SPEED_AFTER`].
+    /// robot file does not state this time, the joint reaches its maximum speed in
+    /// [`ASSUMED_FULL_SPEED_AFTER`].
     ///
     /// # Errors
     /// Returns the indices of the joints without a stated speed.

@@ -24,8 +24,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Returns the surface of a solid in the frame of its carrier. A leg ends at `floor`, the height of the
-    /// floor in that frame.
+    /// Returns the surface of a solid in the frame of its carrier. The argument `floor` is the height of the
+    /// floor in that frame. It is the lower end of a solid of the kind [`Shape::Leg`], which stands on the
+    /// floor.
     pub fn of(shape: &Shape, floor: f64) -> Self {
         let (vertices, triangles) = match shape {
             Shape::Box { pose, size } => cuboid(pose, size),

@@ -42,8 +42,8 @@ pub struct Drawing<'a> {
     /// Height of the floor in the world frame, m.
     pub floor: f64,
     pub parts: Vec<DrawnPart>,
-    /// Model and reading of each entry of [`Field::takes`]. The first entry has the model and reading of the
-    /// cell.
+    /// Combinations of model and reading, one for each entry of [`Field::takes`]. The first is the
+    /// combination of the cell.
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
@@ -56,7 +56,7 @@ pub struct Drawing<'a> {
     pub movement: Movement,
 }
 
-/// Amount of detail of a drawing.
+/// Level of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
     /// Whether errors are computed under every model and reading that the cell permits. Otherwise, they are
@@ -70,9 +70,11 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Detail with every model and reading, envelopes, and about 4000 nodes per error map.
+    /// Level of detail with errors under every permitted model and reading, envelopes, and about 4000 nodes
+    /// per error map.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
-    /// Detail with the model and reading of the cell alone, envelopes, and all nodes.
+    /// Level of detail with errors only under the model and reading of the cell, but with envelopes and all
+    /// nodes.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };
 }
 

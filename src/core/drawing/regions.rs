@@ -9,7 +9,8 @@ use nalgebra::Vector3;
 pub struct DrawnRegion {
     /// Name of the equipment, or `robot base`.
     pub name: String,
-    /// Closed outlines of the region at the height of the frame, m.
+    /// Closed outlines of the region in the world frame, m. Each point has the height of the frame origin of
+    /// the piece.
     pub rings: Vec<Vec<Vector3<f64>>>,
     /// Largest distance, m, by which the piece may be displaced in plan ([`Region::room`]). None if neither
     /// x nor y may vary.

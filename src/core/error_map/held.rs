@@ -33,17 +33,17 @@ impl OperationQuery<'_> {
     /// the equipment. The joint coordinates are computed anew by the rules of [`HeldPosture`].
     ///
     /// # Errors
-    /// Returns the status of the point if no posture within the joint limits continues the held posture, or
-    /// if the errors cannot be computed.
+    /// Returns the status of the point if no posture within the joint limits corresponds to the held posture.
+    /// Also returns the status if the errors cannot be computed.
     pub fn held(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
         let posture = self.held_posture(held)?;
         self.value(&posture, memory)
     }
 
-    /// Finds the posture that continues a held posture in this layout.
+    /// Finds the posture in this layout that corresponds to a held posture ([`HeldPosture`]).
     ///
     /// # Errors
-    /// Returns the status of the point if no posture within the joint limits continues the held posture.
+    /// Returns the status of the point if no posture within the joint limits corresponds to the held posture.
     fn held_posture(&mut self, held: &HeldPosture) -> Result<Posture, Status> {
         self.kept = Some(*held);
         let target = self.target(held.at);
@@ -62,7 +62,8 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Checks that the continuation of a held posture is collision-free and allowed by the motion rules.
+    /// Checks that the posture in this layout that corresponds to a held posture is collision-free. Also
+    /// checks that the motion rules allow this posture.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -92,9 +93,9 @@ impl OperationQuery<'_> {
         self.refused(held, memory).map(|()| value)
     }
 
-    /// Finds the branch of a held posture; None if no branch continues the posture.
+    /// Finds the branch in this layout that corresponds to a held posture; None if there is no such branch.
     ///
-    /// The branch may exceed a joint limit, unless the posture is continued numerically.
+    /// The branch may exceed a joint limit, unless the numeric solver finds it.
     pub fn branch_beyond_limits(&self, held: &HeldPosture) -> Option<Branch> {
         let (target, inverse) = (self.target(held.at), &self.placed.mapper.arm.inverse);
         if !inverse.keeps_branches() {

@@ -14,16 +14,17 @@ pub struct PointSpot {
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. Inverse kinematics without
-/// such indices (see [`Inverse::keeps_branches`]) continues the posture. The solver starts at the kept joint
-/// coordinates, and the tool rotates with the surface.
+/// Closed-form inverse kinematics finds the posture again by its branch index. If the inverse kinematics has
+/// no such indices (see [`Inverse::keeps_branches`]), its solver starts at the kept joint coordinates. The
+/// tool then rotates with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Heading: azimuth in the base frame, rad, from which the azimuth of the tool is measured.
+    /// Heading at the point: a direction in the base frame, rad ([`Inverse::heading`]). If the heading
+    /// rotates, the tool rotates equally.
     pub heading: f64,
 }
 
@@ -41,7 +42,7 @@ impl HeldPosture {
         if inverse.keeps_branches() { self.branch } else { CONTINUED }
     }
 
-    /// Continues this posture to a target in the base frame, m.
+    /// Finds the posture at a target (base frame, m) to which the numeric solver leads from this posture.
     ///
     /// # Errors
     /// Returns the remaining position and angle errors if the arm cannot reach the target.

@@ -30,11 +30,12 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns an upper bound, at most `most`, of the cost that [`Self::joint_price`] computes. Returns None
-    /// if [`Self::joint_price`] returns None, or if this cost exceeds `most`.
+    /// Returns an upper bound of the cost that [`Self::joint_price`] computes. A returned bound never exceeds
+    /// `most`. Returns None if [`Self::joint_price`] returns None, or if this cost exceeds `most`.
     ///
-    /// The function first tries the tolerances `near` of a similar layout, reduced until they meet every
-    /// limit.
+    /// The argument `near` holds the cheapest tolerances of a similar layout. The function first reduces
+    /// these tolerances until they meet every limit. If this fails, or if their cost exceeds `most`, the
+    /// function computes the cost of this layout.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

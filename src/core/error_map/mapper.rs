@@ -97,7 +97,7 @@ impl Mapper {
     }
 
     /// Returns a branch at a target; None if the branch does not exist there. If the index is [`CONTINUED`],
-    /// the branch is the posture `kept`, continued to the target.
+    /// the numeric solver computes the branch. The solver starts at the posture `kept`.
     pub(super) fn branch_at(
         &self,
         target: &Vector3<f64>,

@@ -20,10 +20,11 @@ pub enum NodeSign {
     Attitude,
     /// The numeric inverse kinematics found no solution, but did not prove that there is none.
     NotConverged,
-    /// No posture can be used: the least-error posture collides, or the equipment that carries the node
-    /// overlaps something.
+    /// No posture can be used, and the least-error posture collides. Nodes whose equipment overlaps something
+    /// also belong to this class.
     Collision,
-    /// No posture can be used: the least-error posture is too near to a singularity.
+    /// No posture can be used. The least-error collision-free posture, or its approach or retract line, is
+    /// too near to a singularity.
     Singular,
     /// The straight line to the node is blocked.
     #[serde(rename = "approach")]

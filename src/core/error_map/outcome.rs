@@ -19,7 +19,8 @@ pub struct Spot {
 
 /// Result of one operation in one layout.
 ///
-/// For an operation at every node, a collision or refusal concerns the first node that cannot be used.
+/// If an operation happens at every node, [`Self::AllCollide`], [`Self::Refused`] and [`Self::Uncertain`]
+/// describe the first node that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),

@@ -21,8 +21,8 @@ pub struct PlacedLayout<'a> {
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
-    /// Whether a query of a held posture may return a lower bound of the value. A bound replaces the value
-    /// only if the value takes much longer to compute.
+    /// Whether a lower bound may replace the value of an operation in a held posture. The bound replaces the
+    /// value only if the value takes much longer to compute.
     pub(super) takes_bounds: bool,
 }
 
@@ -57,15 +57,16 @@ impl<'a> PlacedLayout<'a> {
     /// Returns this layout, in which operation k keeps the posture `kept[k]`. The entry is None if the
     /// operation keeps no posture.
     ///
-    /// For a spot with the branch index [`crate::reach::CONTINUED`], the kept posture is continued to the
-    /// target in this layout.
+    /// For a spot with the branch index [`crate::reach::CONTINUED`], the numeric solver computes the posture
+    /// at the target in this layout. The solver starts at the kept posture.
     #[must_use]
     pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
         Self { kept, ..self }
     }
 
-    /// Returns this layout, but lets queries of held postures return lower bounds. A lower bound replaces a
-    /// value only if the value takes much longer to compute.
+    /// Returns this layout with the permission for lower bounds. The value of an operation in a held posture
+    /// may then be a lower bound. A lower bound replaces a value only if the value takes much longer to
+    /// compute.
     #[must_use]
     pub fn bounding(self) -> Self {
         Self { takes_bounds: true, ..self }

@@ -106,7 +106,7 @@ impl<'a> Probe<'a> {
     /// collides.
     ///
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form. Returns None if
-    /// no branch continues the posture, or if the errors cannot be computed.
+    /// no branch in this layout corresponds to the posture, or if the errors cannot be computed.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.query.branch_beyond_limits(held)?;
         self.query.value(&branch.posture, self.memory.postures).ok()
@@ -149,7 +149,7 @@ impl<'a> Probe<'a> {
     }
 
     /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`.
-    /// Returns None if no branch continues the posture.
+    /// Returns None if no branch in this layout corresponds to the posture.
     pub fn joints(&mut self, held: &HeldPosture) -> Option<JointVector> {
         self.query.kept = Some(*held);
         let branch = held.branch_elsewhere(self.inverse());

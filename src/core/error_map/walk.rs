@@ -32,7 +32,8 @@ pub struct OperationQuery<'a> {
     /// Data, other than the posture, from which the errors are computed, or the reason why the errors
     /// cannot be computed.
     pub context: Result<WorkContext, Unjudged>,
-    /// Posture that is continued if a candidate has the branch index [`crate::reach::CONTINUED`].
+    /// Posture at which the numeric solver starts if a candidate has the branch index
+    /// [`crate::reach::CONTINUED`].
     pub kept: Option<HeldPosture>,
 }
 

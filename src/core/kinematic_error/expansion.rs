@@ -50,7 +50,7 @@ impl MotionTerm {
     }
 
     /// Returns the effect of motion `k` of the joint frames. `joints` holds the pose of each joint frame in
-    /// the D-H frame that precedes its row.
+    /// the D-H frame of the link before the joint.
     ///
     /// This function is separate because [`Self::of`] must remain small enough to be inlined.
     #[inline(never)]

@@ -6,8 +6,9 @@
 //! - dtheta is a rotation about the z axis before the link, and dr is a translation along that axis;
 //! - dl is a translation along the x axis after the link, and dalpha is a rotation about that axis;
 //! - dbeta is a rotation about the y axis after the link (the fifth parameter of Hayati);
-//! - the base frame, the tool frame and every joint frame have six components each. A joint frame precedes
-//!   the Denavit-Hartenberg (D-H) row of its joint;
+//! - the base frame, the tool frame and every joint frame have six components each. A joint frame is fixed to
+//!   the link before its joint. The motions of the joint frame come before the motions of the joint's
+//!   Denavit-Hartenberg (D-H) row;
 //! - an elastic deflection is a rotation about the axis of a revolute joint and adds to dtheta. The size of
 //!   a deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
 //!   error. The factor is computed for the chain without errors at the posture. The joint coupling does not
@@ -30,8 +31,8 @@
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the error is the linear error plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k
 //!   a_k^2 w_k x g_k`. In these sums, `w_j` and `w_k` are the axes of rotations, and are zero for
-//!   translations. The two sums together are the exact second-order part of the product. A rotation also
-//!   rotates the displacements that motions nearer to the tool cause.
+//!   translations. The two sums together are the exact second-order part of the product. In the first sum,
+//!   the rotation j also rotates the displacement by motion k, which is nearer to the tool.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 

@@ -60,7 +60,7 @@ impl FrameError {
     }
 }
 
-/// Errors of the joint frames, and the pose of each joint frame in the D-H frame before the row of its joint.
+/// Errors and poses of the joint frames. Each pose is given in the D-H frame of the link before the joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
     sizes: [f64; PER_FRAME * MAX_JOINTS],
@@ -169,16 +169,17 @@ impl Perturbation {
 
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
-    /// The first slice holds the motions of links, base and tool. In the first slice, the entries at the
-    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect of
-    /// the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds the
-    /// motions of the joint frames, and is empty if no joint frame has an error.
+    /// The first slice holds the motions of links, base and tool. A parameter dq ([`Parameter::Dq`]) is the
+    /// error of an actuator coordinate. The slice holds dtheta, the error of the D-H coordinate theta, at the
+    /// index of dq. The slice holds the error of the D-H coordinate r at the index of dr. These two errors
+    /// include the effect of the joint coupling, but not the elastic deflections ([`Self::deflected`]). The
+    /// second slice holds the motions of the joint frames, and is empty if no joint frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Returns the pose of every joint frame in the D-H frame before the row of its joint. The list is empty
+    /// Returns the pose of every joint frame in the D-H frame of the link before the joint. The list is empty
     /// if no joint frame has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])

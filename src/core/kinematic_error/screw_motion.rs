@@ -62,8 +62,9 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
     }
 }
 
-/// Returns the rotation of a joint that one unit of an elastic parameter causes. The field `factor` is an
-/// upper bound of the size of this rotation over all postures. Returns None for any other parameter.
+/// Returns the rotation of a joint that one unit of an elastic parameter causes. The field
+/// [`ScrewMotion::factor`] of the result is an upper bound of the size of this rotation in every posture.
+/// Returns None for any other parameter.
 ///
 /// A lever is at most as long as its link. A torque is at most the sum of all weights times their largest
 /// distances from the joint.

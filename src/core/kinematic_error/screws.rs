@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// One value per joint. The unused entries at the end are zero.
 pub type JointValues = [f64; MAX_JOINTS];
 
-/// Joint axes and end points of a chain at the reference posture, in the base frame.
+/// Joint axes, TCP and measured point of a chain at the reference posture, in the base frame.
 #[derive(Debug, Clone)]
 pub struct Screws {
     pub kinds: Vec<JointKind>,
@@ -24,13 +24,15 @@ pub struct Screws {
     pub points: [Vector3<f64>; MAX_JOINTS],
     /// Position of the TCP, m.
     pub tip: Vector3<f64>,
-    /// Position of the measured point, whose error the sense measures, m.
+    /// Position of the measured point, m. The measured point is the point whose error counts in the sense
+    /// ([`crate::cell::Sense::point`]).
     pub point: Vector3<f64>,
     /// Unit vector along the tool.
     pub tool: Vector3<f64>,
 }
 
-/// Joint axes and end points of a chain at a posture, and the motion of each link from the reference posture.
+/// Joint axes, TCP and measured point of a chain at a posture, and the motion of each link from the reference
+/// posture.
 pub struct PosedScrews {
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
@@ -43,7 +45,7 @@ pub struct PosedScrews {
 impl Screws {
     /// Returns the nominal chain. `frames` gives the reference posture.
     ///
-    /// `point` is the point whose error the sense measures, in the TCP frame, m.
+    /// `point` is the point whose error counts in the sense, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
         let (mut axes, mut points) = ([Vector3::z(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         for i in 0..chain.axes() {
@@ -99,8 +101,8 @@ impl Screws {
 
     /// Returns the sizes of the small motions by which another chain with the same joints differs from this
     /// chain. Entry k of each array belongs to the motion that acts on axis k and on everything after it. The
-    /// entry after the last axis belongs to the motion of the end point. The first array holds angles (rad),
-    /// the second array translations (m).
+    /// entry after the last axis belongs to the motion of the measured point. The first array holds angles
+    /// (rad), the second array translations (m).
     ///
     /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {
@@ -120,7 +122,8 @@ impl Screws {
         (turns, shifts)
     }
 
-    /// Returns the joint axes and end points for the joint displacements `theta` from the reference posture.
+    /// Returns the joint axes, TCP and measured point for the joint displacements `theta` from the reference
+    /// posture.
     pub fn place(&self, theta: &JointValues) -> PosedScrews {
         let mut placed = PosedScrews {
             axes: self.axes,

@@ -36,9 +36,9 @@ impl Workcell {
     ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
     ///   between two floor spaces, or a floor space and the fence, if neither can move. The fourth is between
     ///   the floor spaces of two pieces of equipment if one carries the other.
-    /// - joint limits, singularity: the least value of the measure ([`measures`], a number without unit) at
-    ///   the nodes at which an operation happens. The joint limits are those of the robot file, without
-    ///   margins.
+    /// - joint limits: the least value of [`Measures::limits`], a number without unit, at the nodes at which
+    ///   an operation happens. The joint limits are those of the robot file, without margins.
+    /// - singularity: the least value of [`Measures::singularity`], a number without unit, at the same nodes.
     /// - travel: the joint travel (rad) of the transfers or, if transfers are not checked, of direct moves
     ///   from spot to spot.
     /// - footprint: the area (m^2) of the convex hull of the floor spaces of robot base and equipment.

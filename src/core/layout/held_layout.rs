@@ -95,7 +95,7 @@ struct OperationValue {
     worst: f64,
 }
 
-/// Operations that do not depend on a moved piece of equipment, each with its spot and values.
+/// Spot and values of every operation that is independent of a moved piece of equipment.
 ///
 /// A judgement with these values is an estimate. The estimate does not check whether the moved equipment
 /// obstructs these operations or the transfers between operations.
@@ -155,8 +155,10 @@ impl<'a> HeldLayout<'a> {
     }
 
     /// Judges another layout whose operations keep the spots of this layout. Returns the objective of the
-    /// other layout (m, rad, share of failures, or cost of tolerances). A returned cost of tolerances is at
-    /// most `most`, but may be an upper bound of the least cost.
+    /// other layout (m, rad, share of failures, or cost of tolerances). A returned objective never exceeds
+    /// `most`. If the objective is the cost of tolerances, the result may be an upper bound of the least
+    /// cost. If the reading is the worst case, a lower bound may replace an error
+    /// ([`PlacedLayout::bounding`]).
     ///
     /// # Errors
     /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
@@ -167,7 +169,7 @@ impl<'a> HeldLayout<'a> {
 
     /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster.
     ///
-    /// `known` holds the values of the operations that do not depend on this equipment.
+    /// `known` holds the values of the operations that are independent of this equipment.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.
@@ -181,8 +183,9 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. The values are
-    /// computed in the layout whose spots are kept. Returns None if this layout is infeasible.
+    /// Returns the spot and the values of every operation that is independent of the equipment with the index
+    /// `equipment`. The values are computed in the layout whose spots are kept. Returns None if this layout
+    /// is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;

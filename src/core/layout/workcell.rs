@@ -62,8 +62,7 @@ impl Workcell {
     /// single operations, not for an objective that combines them.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does. However, the senses of the operations may have
-    /// different units.
+    /// Returns the reason as [`Workcell::interpreted`] does. Senses with different units are no error here.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell
@@ -111,8 +110,8 @@ impl Workcell {
         self.mapper.is_ranked()
     }
 
-    /// Returns every pair of robot solids that are present in the same operation. Each pair states whether a
-    /// contact is allowed, and why.
+    /// Returns every pair of robot solids that the robot can carry at the same time. The robot carries a held
+    /// part only during its operation. Each pair states whether a contact is allowed, and why.
     ///
     /// If self-collision is not checked, the list has only pairs with the pedestal.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
@@ -121,7 +120,9 @@ impl Workcell {
 
     /// Returns whether a layout must work at every misplacement inside the placement tolerances.
     ///
-    /// This is not required if the cell asks for an ideal layout, or if no body has a placement tolerance.
+    /// The result is false if no body has a placement tolerance. The result is also false if the cell
+    /// requests an ideal layout ([`crate::cell::SearchSettings::ideal`]). An ideal layout need only work at
+    /// its nominal placements.
     pub fn certifies(&self) -> bool {
         self.certifies
     }

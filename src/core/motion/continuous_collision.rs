@@ -41,8 +41,8 @@ pub struct PathSlack<'a> {
     /// The argument is the index of the equipment. The index after the last piece of equipment denotes the
     /// fence, and None denotes the floor. Without this function, equipment, fence and floor do not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
-    /// Function that returns an upper bound, m, of how much the deviations reduce the distance between two
-    /// solids.
+    /// Function that returns an upper bound, m, of the decrease of the distance between two solids. The
+    /// decrease comes from the deviations of robot and equipment.
     ///
     /// The first argument is a robot solid (an index into [`Scene::bounding_spheres`]). The second argument
     /// is equipment or fence (an index as in [`Self::equipment`]). The check uses the bound, or the sum of

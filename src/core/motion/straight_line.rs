@@ -50,7 +50,7 @@ pub enum Stopped {
 /// # Errors
 /// Returns the reason why the arm cannot follow the whole line. Every [`Stopped`] contains a length `after`
 /// from the start of the line. In [`Stopped::Lost`], the arm can follow the line up to this length. In
-/// [`Stopped::Limit`], a joint exceeds its limit within the last move before this length.
+/// [`Stopped::Limit`], the move that ends at this length takes a joint beyond its limit.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,

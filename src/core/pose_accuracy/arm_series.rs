@@ -54,10 +54,10 @@ impl<'a> PoseAccuracyTest<'a> {
         })
     }
 
-    /// Returns the pose accuracy of the series whose parameters have the given spreads.
+    /// Returns the pose accuracy of the series whose parameters have the tolerances `spreads`.
     ///
-    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same points
-    /// of the low-discrepancy sequence, so the accuracy is a continuous function of the spreads.
+    /// The tolerances are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same
+    /// points of the low-discrepancy sequence, so the accuracy is a continuous function of the tolerances.
     pub fn accuracy(&self, spreads: &[Spread]) -> PoseAccuracy {
         let mut at: Vec<(f64, f64)> = richtmyer_steps().take(spreads.len()).map(|step| (0.5, step)).collect();
         let (mut means, mut largest) = (Vec::with_capacity(ROBOTS), Vec::with_capacity(ROBOTS));

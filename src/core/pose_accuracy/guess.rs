@@ -23,11 +23,12 @@ pub enum GuessFault {
 /// Tolerances with which the predicted pose accuracy equals the pose accuracy on a data sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorGuess {
-    /// Spreads in the order of [`crate::cell::Parameter::of_robot`].
+    /// Tolerances of the parameters in the order of [`crate::cell::Parameter::of_robot`]: the scaled
+    /// tolerances, with the random errors of the joints added.
     pub spreads: Vec<Spread>,
     /// Factor by which the given tolerances are multiplied.
     pub scale: f64,
-    /// Number of predictions that the search for the factor needed.
+    /// Number of predictions of the pose accuracy with which [`Self::scale`] was found.
     pub steps: usize,
     /// Predicted pose accuracy with the scaled tolerances. This accuracy does not depend on the random errors
     /// of the joints.

@@ -95,10 +95,10 @@ pub const PRESETS: [ErrorPreset; 7] = [
 ];
 
 impl ErrorPreset {
-    /// Returns the spreads of a robot in the order of [`Parameter::of_robot`].
+    /// Returns the tolerances of a robot's parameters in the order of [`Parameter::of_robot`].
     ///
-    /// Only parameters that a calibration can distinguish have a spread other than 0. Between parallel axes,
-    /// the fifth parameter beta of Hayati ([`Parameter::Dbeta`]) replaces the axial offset.
+    /// Only parameters that a calibration can distinguish have a tolerance other than 0. Between parallel
+    /// axes, the fifth parameter beta of Hayati ([`Parameter::Dbeta`]) replaces the axial offset.
     pub fn spreads(&self, robot: &Robot, chain: &Chain) -> Vec<Spread> {
         let known = identifiable(chain, ParameterSet::FiveParameter);
         let last = robot.axes().saturating_sub(1);

@@ -11,8 +11,8 @@ use crate::cell::{JointKind, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws};
 use nalgebra::{Matrix3, Vector3};
 
-/// Effect of one small motion in the chain on the measured point (the point whose error the sense measures),
-/// at one posture.
+/// Effect of one small motion in the chain on the measured point, at one posture. The measured point is the
+/// point whose error counts in the sense.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effect {
     /// Displacement of the measured point, per unit of the motion.

@@ -11,8 +11,8 @@
 //! horizontal directions. Errors before the first joint may act in horizontal directions. The bound replaces
 //! such errors by isotropic errors, or omits them. The last joint also needs no coordinate if its axis is the
 //! tool axis and passes through the measured point. The bound then uses the least contribution of the errors
-//! after this joint, over all rotations of the tool. Some signed samples, and some errors in the other
-//! readings, do not permit this. One or both joints then need a coordinate.
+//! after this joint, over all rotations of the tool. For some signed samples, the first joint, the last joint
+//! or both joints need a coordinate. Some errors in the other readings also require these coordinates.
 //!
 //! Branch and bound over the remaining coordinates reduces the gap between the lower bound and the least
 //! value found. The module has the following files:
@@ -86,7 +86,8 @@ pub enum WhyNot {
     /// No posture within the joint limits has the height and attitude of the operation. Therefore no layout
     /// is feasible.
     Infeasible,
-    /// The error is relative to the pick of the part.
+    /// The operation places a part, and its error is relative to the error of the operation that picks the
+    /// part.
     Relative,
     /// A registration removes part of the error.
     Registered,
@@ -113,7 +114,8 @@ pub enum WhyNot {
     Boxes,
     /// The errors vary about means that are not 0, and the model of their worst case is not linear.
     Mean,
-    /// Monte Carlo samples refute the first-order value of the operation, to which the bound applies.
+    /// Monte Carlo samples show that the first-order value of the operation is wrong. The bound applies to
+    /// this value.
     Refuted,
 }
 
@@ -209,8 +211,9 @@ impl Proof {
         Self { bound, operations, covers, interrupted }
     }
 
-    /// Returns this proof without the bounds of the operations for which `is_refuted` returns true. Monte
-    /// Carlo samples refute the first-order values of these operations.
+    /// Returns this proof without the bounds of the operations for which `is_refuted` returns true. The
+    /// argument of `is_refuted` is the index of an operation. The result is true if Monte Carlo samples show
+    /// that the first-order value of this operation is wrong.
     ///
     /// The bounds apply to first-order values, and say nothing about values computed from samples.
     pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {

@@ -31,8 +31,8 @@ pub(super) struct Task<'a> {
     pub coordinates: Coordinates,
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the TCP.
     to_tip: RigidPieces,
-    /// Segments of the chain from joint axis to joint axis, and from the last axis to the measured point,
-    /// whose error the sense measures.
+    /// Segments of the chain from joint axis to joint axis, and from the last axis to the measured point. The
+    /// measured point is the point whose error counts in the sense.
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,

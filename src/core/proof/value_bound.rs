@@ -279,8 +279,9 @@ fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
 /// Returns the derivative A of `quantity(S)^2` with respect to the covariance matrix S, at S = `covariance`.
 /// `rows` is the number of error components in S.
 ///
-/// `quantity(S)` is the quantity of the norm of a normal vector with mean zero and covariance S. Returns None
-/// if `covariance` is zero. A is slightly reduced, because the numeric derivatives have small errors.
+/// `quantity(S)` is the quantity of `|e|` for a normally distributed error vector e with mean zero and
+/// covariance S. Returns None if `covariance` is zero. A is slightly reduced, because the numeric derivatives
+/// have small errors.
 ///
 /// Let `<A, S>` be the sum of the products of corresponding entries. For the RMS, and for percentiles under
 /// the convexity assumption of this module, `<A, S> <= quantity(S)^2` for every S. For the mean, this
@@ -325,7 +326,8 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
     Some(a)
 }
 
-/// Returns the square of `quantity` of the norm of a normal vector with mean zero and these variances.
+/// Returns the square of `quantity` of `|e|`. The error vector e is normally distributed, with mean zero and
+/// these variances.
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());

@@ -42,8 +42,8 @@ pub struct Shot {
     /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, the
     /// error maps of all operations are shown.
     pub operation: Option<usize>,
-    /// Operation at whose spot the robot is shown if `operation` is None. If both are None, the robot is at
-    /// home.
+    /// Operation that sets only the posture of the robot, which is at the spot of this operation. The field
+    /// has no effect if `operation` is given. If both fields are None, the robot is at home.
     pub context: Option<usize>,
     /// Width of the picture, px.
     pub width: usize,
@@ -53,7 +53,8 @@ pub struct Shot {
     /// projection.
     pub perspective: bool,
     pub show: Show,
-    /// Index into [`Drawing::lenses`] of the model and reading whose errors are shown.
+    /// Number of the combination of model and reading under which errors are shown: an index into
+    /// [`Drawing::lenses`].
     pub take: usize,
     /// Name of the sense whose values the colours show. If None, each map shows the sense of its operation.
     pub sense: Option<String>,

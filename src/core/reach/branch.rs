@@ -30,20 +30,22 @@ pub(super) fn with_sample(index: u64, number: u32) -> u64 {
     index & ((1 << SAMPLE_SHIFT) - 1) | u64::from(number) << SAMPLE_SHIFT
 }
 
-/// Class of computing time of the inverse kinematics, per target.
+/// Class of solvers of the inverse kinematics by their computing time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
-    /// Tens of nanoseconds per target.
+    /// Solver that takes tens of nanoseconds per target.
     Low,
-    /// About a microsecond per attitude.
+    /// Solver that takes about a microsecond per attitude.
     Middle,
-    /// A redundant arm with a closed form takes about a microsecond per attitude and sampled joint value. A
-    /// redundant arm with a refined closed form takes about ten times as long.
+    /// Slower solver that is not numeric.
+    ///
+    /// The closed form of a redundant arm takes about a microsecond per attitude and sampled joint value. The
+    /// refined closed form of a redundant arm takes about ten times as long.
     ///
     /// Other solvers of this class take tens of microseconds per attitude. Such a solver scans one joint,
     /// refines a closed form, or eliminates variables (`general_six_axes`).
     High,
-    /// About a millisecond per target, because the solver is numeric.
+    /// Numeric solver, which takes about a millisecond per target.
     Numeric,
 }
 

@@ -82,8 +82,8 @@ impl ExactSolver {
         }
     }
 
-    /// Returns a faster variant of the solver. For a target out of reach, the variant computes only a lower
-    /// bound of the distance.
+    /// Returns a faster variant of the solver. For a target out of reach, [`Self::solve`] of the variant
+    /// returns only a lower bound in place of the distance.
     pub fn fast(&self) -> Self {
         match self {
             Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),

@@ -12,9 +12,9 @@ use std::f64::consts::{PI, TAU};
 pub(super) struct HeldJoint {
     /// Solver of the other joints.
     pub solver: PoseSolver,
-    /// Variant of `solver` that computes only lower bounds of distances.
+    /// Faster variant of `solver`, which returns lower bounds of distances in place of the distances.
     pub fast: PoseSolver,
-    /// Posture of the other joints, which callers copy as scratch memory.
+    /// Posture of the other joints with their constant D-H values. Callers copy it as working memory.
     pub template: Posture,
     link: Link,
     /// Distance between the origins of the last two D-H frames of the chain without the redundant joint, m.

@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Inverse {
     pub(super) chain: Chain,
     pub(super) solver: ChainSolver,
-    /// Joint limits; None if they cannot be checked on the sines and cosines of a posture.
+    /// Joint limits; None if the sines and cosines of a posture do not determine whether it keeps the limits.
     ///
     /// If this field is None, the numeric solver solves the chain within the limits.
     pub(super) limits: Option<Limits>,
@@ -124,7 +124,8 @@ impl Inverse {
         }
     }
 
-    /// Returns a posture to pass to [`Self::visit`] as scratch memory.
+    /// Returns a posture that a caller passes to [`Self::visit`] as working memory. The posture holds the
+    /// constant D-H values of the chain.
     pub fn scratch(&self) -> Posture {
         self.template
     }
@@ -239,9 +240,10 @@ impl Inverse {
     /// supported.
     ///
     /// # Errors
-    /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
-    /// attitude of the branch. The distance is 0 if other branches exist, and infinite for the numeric
-    /// solver.
+    /// If no branch has this index, returns the distance, m, by which the target is out of reach. The
+    /// distance applies to the attitude, and to the value of a redundant joint, that the index encodes. For a
+    /// planar arm, the distance applies to the nearest of all attitudes. The distance is 0 if other branches
+    /// exist, and infinite for the numeric solver.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,

@@ -7,11 +7,19 @@ use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// Every angle is written as a complex number of length 1, so a division subtracts angles. Let `theta_i` be
-/// the D-H angle of joint i, and `a_i` the coordinate of its actuator plus an offset `o_i`. Then `a_i` is
-/// `theta_i` divided by `a_j^factor` for every joint j that drives joint i. Here `factor` is the coupling
-/// factor from joint j to joint i. As an angle, `o_i` is `theta_i` with all actuators at coordinate 0, minus
-/// `factor * o_j` for every such joint j.
+/// Let `theta_i` be the D-H angle of joint i, and `q_i` the coordinate of its actuator. The angle `a_i` is
+/// `q_i` plus a constant offset `o_i`:
+///
+/// ```text
+/// a_i = q_i + o_i = theta_i - sum_j f_ij a_j
+/// o_i = zero_i - sum_j f_ij o_j
+/// ```
+///
+/// Here `zero_i` is `theta_i` with all actuators at coordinate 0. The coupling factor from joint j to joint i
+/// is `f_ij`. The sums run over the joints j that drive joint i. The cone limits the unit vector (cosine,
+/// sine) of `a_i`. A unit vector is treated as a complex number, so a division of vectors subtracts their
+/// angles. The vector of `a_i` is the vector of `theta_i`, divided by the power `f_ij` of the vector of every
+/// `a_j`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.

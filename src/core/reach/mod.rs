@@ -11,7 +11,7 @@
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
 //! | `spin_joint`, `spin_family` | rotation of the tool about its axis by the last joint alone |
-//! | `tool_task` | components of the TCP motion that a branch controls |
+//! | `tool_task` | controlled components of the TCP motion at a posture |
 //! | `limits` | joint limits; angles that differ by whole turns count as equal |
 //! | `shell` | bounding shell of the reach: a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |

@@ -126,7 +126,8 @@ impl Inverse {
         attitudes.set.heading(target)
     }
 
-    /// Returns the branch at `target` to which the numeric solver leads from the posture `from`.
+    /// Starts the numeric solver at the joint coordinates `from`, and returns the branch that it finds at
+    /// `target`.
     ///
     /// If the arm has six or more joints, the tool rotates by `turn` (rad) about the vertical and otherwise
     /// keeps its orientation. If the arm has seven joints, one joint does not move, as in
@@ -134,8 +135,9 @@ impl Inverse {
     /// `from` among all allowed attitudes.
     ///
     /// # Errors
-    /// Returns the remaining errors of position and orientation if the numeric solver finds no solution.
-    /// Both errors are infinite if the branches of the arm keep their indices.
+    /// Returns the remaining errors of position and orientation if the numeric solver finds no solution. If
+    /// the branches of the arm keep their indices ([`Self::keeps_branches`]), the function tries nothing, and
+    /// both errors are infinite.
     pub fn continued(
         &self,
         from: &JointVector,

@@ -36,7 +36,8 @@ impl PlanarGeometry {
 impl Inverse {
     /// Returns the geometry of a planar arm with four axes.
     ///
-    /// Returns None for other arms, or if the joint limits cannot be checked on sines and cosines.
+    /// Returns None for other arms. Also returns None if cones of unit vectors ([`LimitCone`]) cannot
+    /// represent the joint limits.
     pub fn planar_geometry(&self) -> Option<PlanarGeometry> {
         let ChainSolver::Planar(arm) = &self.solver else { return None };
         let cones = self.limits.as_ref()?.cones()?.try_into().ok()?;

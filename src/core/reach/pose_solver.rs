@@ -88,8 +88,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a faster variant of the solver. For a target out of reach, the variant computes only a lower
-    /// bound of the distance.
+    /// Returns a faster variant of the solver. For a target out of reach, [`Self::solve`] of the variant
+    /// returns only a lower bound in place of the distance.
     pub fn fast(&self) -> Self {
         match self {
             Self::Exact(solver) => Self::Exact(solver.fast()),

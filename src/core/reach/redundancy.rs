@@ -26,7 +26,8 @@ impl Inverse {
     /// Returns the index of the branch after a motion of the redundant joint.
     ///
     /// The motion is `share` times the distance between neighbouring sampled values. The motion is rounded to
-    /// whole lattice steps of the joint.
+    /// whole steps of a lattice. The lattice divides the range of the joint into `HeldJoint::LATTICE` equal
+    /// steps.
     ///
     /// Returns None if the arm has no redundant joint, or if the new value lies outside the range of the
     /// joint.

@@ -33,9 +33,10 @@ impl Inverse {
     /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
     /// argument of `found` is the branch index of the first member.
     ///
-    /// For a redundant arm, returns whether at least one of these families has a usable member. If the result
-    /// is false, [`Self::visit`] may still find usable branches between the sampled values of the redundant
-    /// joint. For the numeric solver, which has no families, returns false. For all other arms, returns true.
+    /// For a redundant arm, returns whether at least one of these families has a usable member
+    /// ([`Self::members`]). If the result is false, [`Self::visit`] may still find usable branches between
+    /// the sampled values of the redundant joint. For the numeric solver, which has no families, returns
+    /// false. For all other arms, returns true.
     pub fn visit_families(
         &self,
         target: &Vector3<f64>,
@@ -90,8 +91,11 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with every usable member of a family that [`Self::visit_families`] has found. The family
-    /// is given by the branch index and the posture of its first member.
+    /// Calls `found` with every usable member of one spin family ([`Self::has_spin_families`]). A member is
+    /// usable if it stays within the joint limits and meets the required attitude.
+    ///
+    /// The tuple identifies the family by the branch index and the posture of its first member.
+    /// [`Self::visit_families`] gives both.
     pub fn members(
         &self,
         target: &Vector3<f64>,
@@ -164,7 +168,7 @@ impl Inverse {
         }
     }
 
-    /// Returns whether any member of the family of `posture` stays within the joint limits and meets the
+    /// Returns whether any member of the spin family of `posture` stays within the joint limits and meets the
     /// required attitude.
     fn any_usable(
         &self,

@@ -1,4 +1,5 @@
-//! Tool task of a posture: the components of the TCP motion that the inverse kinematics controls.
+//! Tool task of a posture: the controlled components of the TCP motion. The inverse kinematics controls these
+//! components.
 //!
 //! If a target moves a little, the arm follows the target in the same branch. The joint motion then solves a
 //! square system of equations. The system has three rows for the position of the TCP, and one row for each
@@ -24,7 +25,7 @@ pub enum RotationRow {
     Joints([f64; MAX_JOINTS]),
 }
 
-/// Components of the TCP motion that the inverse kinematics controls at one posture.
+/// Controlled components of the TCP motion at one posture: its position, and some components of its rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolTask {
     /// Number of rows of the square system; it equals the number of active joints.

@@ -6,8 +6,9 @@ use crate::robot::Frames;
 use nalgebra::Matrix6;
 
 impl ErrorEvaluator {
-    /// Returns the covariance (m or rad, squared) of the error's components along the rows of the operation's
-    /// sense. The second and third results are the number of rows and the size of the mean error (m or rad).
+    /// Returns the covariance (m or rad, squared) of the error of the operation in its sense. Every row of
+    /// the sense is a weighted direction ([`SenseRows`]), and the error has one component along each row. The
+    /// second and third results are the number of rows and the size of the mean error (m or rad).
     pub fn covariance(
         &self,
         context: &WorkContext,
@@ -41,7 +42,8 @@ impl ErrorEvaluator {
         self.covariance_of_effects(&measure, memory)
     }
 
-    /// Returns the covariance of the components of the prepared effects along the rows of a sense.
+    /// Returns the covariance of the error from the prepared effects. The error has one component along each
+    /// row of `measure`.
     fn covariance_of_effects(&self, measure: &SenseRows, memory: &EvaluatorScratch) -> Matrix6<f64> {
         let (mut covariance, rows) = (Matrix6::zeros(), measure.rows());
         memory.effects.independent(&self.sources, |effect, _| {

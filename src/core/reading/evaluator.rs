@@ -41,7 +41,7 @@ pub struct ErrorEvaluator {
     pub(super) alone: bool,
     /// Equipment on which the robot works; None if a registration or a pick removes a part of the errors.
     untied: Option<usize>,
-    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is
+    /// Algorithm that bounds the value over all rotations of the tool by the last joint; None if no bound is
     /// known.
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.

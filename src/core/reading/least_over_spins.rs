@@ -11,8 +11,7 @@ use nalgebra::Vector3;
 const ROUNDING: f64 = 1e-7;
 
 impl ErrorEvaluator {
-    /// Returns whether a method for [`Self::least_over_spins`] is known. Without a method, that function
-    /// returns 0.
+    /// Returns whether [`Self::least_over_spins`] can compute a lower bound. If not, that function returns 0.
     pub fn has_spin_bound(&self) -> bool {
         self.spin_bound.is_some()
     }
@@ -23,15 +22,16 @@ impl ErrorEvaluator {
     }
 
     /// Returns whether the reading is statistical and [`Self::value`] is the same after every rotation by the
-    /// last joint. One evaluation of the value then takes less computing time than one bound per rotation.
+    /// last joint. A single evaluation of the value then takes less computing time than the lower bounds for
+    /// all rotations.
     pub fn has_one_value_over_spins(&self) -> bool {
         self.ignores_spin() && self.reading == Reading::Statistical
     }
 
-    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint;
-    /// 0 if no bound is known.
+    /// Returns a lower bound of [`Self::value`] that holds after a rotation of the tool by any angle in
+    /// `spins`. Returns 0 if no bound is known.
     ///
-    /// `spins` holds cosine and sine of each angle of rotation.
+    /// The last joint rotates the tool about its axis. `spins` holds cosine and sine of each angle.
     pub fn least_over_spins(
         &self,
         context: &WorkContext,
@@ -60,7 +60,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the bounding method for this evaluator; None if no bound is known.
+    /// Returns the algorithm by which this evaluator bounds the value over rotations of the tool. Returns
+    /// None if no bound is known.
     pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
         // A rotation of the last joint may change an elastic deflection that acts before this joint.
         let changes = |p: Parameter| p.is_elastic() && is_behind(p, self.chain.axes());

@@ -11,11 +11,12 @@
 //! ```
 //!
 //! Here `g_k` holds the components of the effect of [`ErrorSource`] k along the directions of a sense
-//! ([`SenseRows`]). The source is at its tolerance in the worst-case reading, and at its standard deviation
-//! in the statistical reading. The mean error is `mu`. The vector `m` is the linear error that the means of
-//! measured errors cause; without measured errors, `m` is 0. The factors `x_k` have the distributions of the
-//! sources, scaled to unit variance. Each `g_k` excludes the error that a registration removes ([`BestFit`],
-//! [`Taught`]). For a picked part, `g_k` also excludes the error of the pick ([`PickReference`]).
+//! ([`SenseRows`]). In the worst-case reading, `g_k` is the effect of an error as large as the tolerance of
+//! the source. In the statistical reading, `g_k` is the effect of one standard deviation. The mean error is
+//! `mu`. The vector `m` is the linear error that the means of measured errors cause; without measured errors,
+//! `m` is 0. The factors `x_k` have the distributions of the sources, scaled to unit variance. Each `g_k`
+//! excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part, `g_k` also
+//! excludes the error of the pick ([`PickReference`]).
 
 mod budget;
 mod corner_model;

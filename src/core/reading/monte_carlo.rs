@@ -107,9 +107,9 @@ impl Histogram {
 impl MonteCarlo {
     /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
-    /// If a figure or the yield disagrees, the estimates replace all figures and the yield `success`. Then
-    /// `value` becomes the estimate of `quantity`. For a yield, `value` becomes the estimated share of
-    /// failures.
+    /// If a figure or the yield disagrees, the estimates replace all statistical figures in `figures`. The
+    /// estimated yield replaces `success`. The estimate of `quantity` replaces `value`; for a yield, the
+    /// estimated share of failures replaces it.
     pub fn check(
         &self,
         quantity: Quantity,
@@ -283,12 +283,13 @@ impl SampledPosture<'_> {
     }
 }
 
-/// Returns the share of `count` among `samples` independent samples, with Wilson's 95 % score interval.
+/// Returns the share of `count` among `samples` independent samples, with Wilson's 95 % score interval. The
+/// source is E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Amer.
+/// Statist. Assoc. 22, 1927.
 ///
 /// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
-/// has a positive width even at a share of 0 or 1, at which repeated samplings do not scatter (E. B. Wilson,
-/// "Probable inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22,
-/// 1927).
+/// has a positive width even if the estimated share is 0 or 1. An interval from the scatter of the replicates
+/// would then have no width.
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

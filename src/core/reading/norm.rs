@@ -103,8 +103,9 @@ impl NormDistribution {
     /// normal.
     ///
     /// Let `c` be the component of `e` along the axis of largest variance, computed with mean 0. The bound is
-    /// the quantile of `|c|`. No component exceeds the norm, and a mean only enlarges the quantile of a
-    /// component. Callers can use this bound to discard postures before they compute the exact quantile.
+    /// the quantile of `|c|`. The absolute value of a component never exceeds the norm. A mean other than 0
+    /// only enlarges the quantile of this absolute value. Callers can use this bound to discard postures
+    /// before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {

@@ -12,8 +12,9 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns whether the errors of the posture have a worst case and statistics.
     ///
-    /// In the signed reading, errors that compensate each other have neither
-    /// ([`crate::cell::Cell::errors_compensate`]).
+    /// The errors of a signed sample may cancel only in one calibrated arm
+    /// ([`crate::cell::Cell::errors_compensate`]). In the signed reading, such a sample has no worst case and
+    /// no statistics.
     pub fn has_tolerances(&self) -> bool {
         self.reading != Reading::Signed || !self.errors_compensate
     }

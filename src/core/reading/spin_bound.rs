@@ -23,7 +23,7 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
 
-/// Method that bounds the value of an operation over all rotations of the tool by the last joint.
+/// Algorithm that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SpinBound {
     /// Bound for a signed sample: the values after any two rotations differ by at most this length, m.

@@ -16,7 +16,7 @@ pub struct WorstCase {
     /// Largest error that the local search finds with the chosen model; equal to `linear` for the linear
     /// model.
     pub by_model: f64,
-    /// Corner of the tolerance box with the error `by_model`, one sign per source.
+    /// Sign of every source at the corner of the tolerance box where the largest error was found.
     pub corner: [f64; MAX_SOURCES],
 }
 

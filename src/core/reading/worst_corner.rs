@@ -24,8 +24,8 @@ impl ErrorEvaluator {
         self.worst_found(sense, context, frames, true, memory).0
     }
 
-    /// Returns the largest size of the error that the local search finds, and whether this search is complete.
-    /// Call [`Self::prepare_effects`] first.
+    /// Returns the largest size of the error that the local search finds, and whether this search is
+    /// complete. Call [`Self::prepare_effects`] first.
     ///
     /// If `all` is false, the search starts only at the worst corner of the linear model and at the opposite
     /// corner. The result of an incomplete search is a lower bound of the result of a complete search.
@@ -71,7 +71,7 @@ impl ErrorEvaluator {
         self.mean.is_some() && signs[self.sources.list.len()] < 0.0
     }
 
-    /// Returns two corners of the tolerance box, each as one sign per source.
+    /// Returns two corners of the tolerance box. One sign per source describes each corner.
     ///
     /// By the linear model, the TCP has the largest displacement at the first corner, and the largest
     /// rotation at the second corner.
@@ -104,8 +104,8 @@ impl ErrorEvaluator {
         (turn * shift).sqrt()
     }
 
-    /// Returns the largest linear error over the tolerance box, and the corner with this error as one sign
-    /// per source. Call [`Self::prepare`] first.
+    /// Returns the largest linear error over the tolerance box, and the corner at which it occurs. One sign
+    /// per source describes the corner. Call [`Self::prepare`] first.
     pub fn linear_corner(
         &self,
         measure: &SenseRows,
@@ -127,7 +127,8 @@ impl ErrorEvaluator {
         (found, corner)
     }
 
-    /// Writes the values of the sources at the corner of the tolerance box with the signs `signs`.
+    /// Writes the values of the sources at a corner of the tolerance box. `signs` holds the sign of every
+    /// source at this corner.
     pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
         for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
             *value = source.at(*sign);

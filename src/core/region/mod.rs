@@ -59,8 +59,8 @@ pub enum RoomEnd {
     /// A piece reaches an end of the range of a search variable. This is also the value if the computation
     /// finds no reason.
     Range,
-    /// The piece reaches the edge of the window that is examined around the found placement. For a rotation
-    /// of all pieces, the window is half a revolution in both directions.
+    /// The piece reaches the edge of the window that is examined around the found placement. If all pieces
+    /// rotate together, the window extends half a revolution in each direction.
     Window,
     Held(Ending),
 }
@@ -94,7 +94,7 @@ pub struct Region {
     /// Largest distance, m, by which the piece may be displaced in every direction in plan. If only x or only
     /// y may vary, only the two directions along this axis count. None if neither x nor y may vary.
     ///
-    /// A coordinate may vary if it has a range of the search. In a cell without search variables, a
+    /// A coordinate may vary if the search varies it over a range. In a cell without search variables, a
     /// coordinate with a placement tolerance may vary within a window.
     pub room: Option<f64>,
     /// Largest angle, rad, by which the piece may be rotated in both directions; None if the yaw may not vary
@@ -113,8 +113,9 @@ pub struct Regions {
     /// Regions of the pieces with a coordinate that the search varies over a range. A cell without search
     /// variables has a region for each piece with a placement tolerance.
     pub pieces: Vec<Region>,
-    /// Rotation of all pieces together about the base axis. None if x, y or yaw of the equipment under an
-    /// operation has no range. In a stack of equipment, the ranges of the lowest piece count.
+    /// Rotation, about the base axis as one body, of all pieces whose x, y and yaw have ranges. None if x, y
+    /// or yaw of the equipment under an operation has no range. If equipment stands on other equipment, the
+    /// lowest piece of the stack must have these ranges.
     pub whole: Option<WholeTurn>,
 }
 

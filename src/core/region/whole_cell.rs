@@ -2,9 +2,9 @@
 //! such a piece.
 //!
 //! The base axis is the vertical line through the origin of the robot base. The errors may change, for
-//! example if the base frame has an error. The objective grows by at most the indifference, and the layout
-//! stays feasible and within every limit. A joint limit, an obstacle or the range of the search may limit the
-//! rotation.
+//! example if the base frame has an error. A rotation is allowed if the objective grows by at most the
+//! indifference, and the layout stays feasible and within every limit. A joint limit, an obstacle or the
+//! range of a coordinate may limit the rotation.
 
 use super::piece::Interval;
 use super::{RegionEffort, RoomEnd};
@@ -21,8 +21,8 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason why the rotation cannot continue in the direction with the smaller angle. If both angles have
-    /// the same size, the reason belongs to the negative direction.
+    /// Reason why the rotation ends in the direction that allows less rotation. If both directions allow
+    /// equal rotations, the reason belongs to the negative direction.
     pub ended: RoomEnd,
 }
 
@@ -57,8 +57,8 @@ pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
     Some(WholeTurn { least: interval.low.0, most: interval.high.0, ended })
 }
 
-/// Returns a layout with some pieces rotated by `angle` (rad) about the base axis; None if a piece leaves the
-/// range of the search.
+/// Returns a layout with some pieces rotated by `angle` (rad) about the base axis; None if a coordinate of a
+/// piece leaves the range over which the search varies it.
 fn turned(cell: &Cell, layout: &Layout, pieces: &[usize], angle: f64) -> Option<Layout> {
     let (sin, cos) = angle.sin_cos();
     let mut turned = layout.clone();

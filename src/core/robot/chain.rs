@@ -112,7 +112,8 @@ impl Chain {
 
     /// Returns this chain with the periodic errors of an error set.
     ///
-    /// The factor of each periodic error is a parameter of the error set, so this function does not apply it.
+    /// In [`Self::periodic`], every periodic error has the factor 1. The actual factors are parameters of the
+    /// error set ([`crate::cell::Parameter::Periodic`]), which the error model applies.
     pub fn with_errors(mut self, set: &ErrorSet) -> Self {
         let errors = set.signed().into_iter().flat_map(|sample| &sample.periodic);
         self.periodic =

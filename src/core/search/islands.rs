@@ -41,8 +41,8 @@ pub struct Island {
 pub struct IslandLayout {
     pub layout: Layout,
     pub cost: f64,
-    /// Loss in each goal of a Pareto search, rounded like the losses in the front. The list is empty for any
-    /// other search.
+    /// Loss in every goal ([`Goal::loss`]) of a Pareto search, rounded like the losses in the front. The list
+    /// is empty for any other search.
     pub losses: Vec<f64>,
 }
 

@@ -12,11 +12,11 @@ pub const MAX_MEMBERS: usize = 200;
 /// the list indices divided by the number of values.
 pub const DIFFERENT: f64 = 0.01;
 
-/// Member of a Pareto front: a point of the unit cube with the losses of the goals.
+/// Member of a Pareto front: a layout as a point of the unit cube, with its loss in every goal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Member {
     pub point: Vec<f64>,
-    /// Value of each goal, negated for goals that are maximized.
+    /// Loss in each goal: the value of the goal, negated if the goal is maximized.
     pub losses: Vec<f64>,
 }
 
@@ -27,7 +27,7 @@ pub struct ParetoFront {
     members: Vec<Member>,
 }
 
-/// Least and greatest loss in one goal among the members of a Pareto front.
+/// Least and greatest loss ([`Member::losses`]) in one goal among the members of a Pareto front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     pub least: f64,

@@ -16,7 +16,8 @@ const MIN_IMPROVEMENT: f64 = 1e-6;
 pub struct Answer {
     pub cost: f64,
     pub feasible: bool,
-    /// Losses in the goals for a feasible layout in a Pareto search; otherwise empty.
+    /// Loss in every goal ([`crate::cell::Goal::loss`]) of a feasible layout in a Pareto search; otherwise
+    /// empty.
     pub losses: Vec<f64>,
 }
 

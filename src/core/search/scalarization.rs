@@ -46,7 +46,7 @@ impl Scalarization {
         Self { weights: weights(front.goals().count(), run), spans: front.spans() }
     }
 
-    /// Returns the cost of a layout, given the losses of its goals.
+    /// Returns the cost of a layout, given its loss in every goal.
     pub fn cost(&self, losses: &[f64]) -> f64 {
         let share = |k: usize| self.spans.as_ref().map_or(losses[k], |spans| spans[k].share(losses[k]));
         let weighted = self.weights.iter().enumerate().filter(|(_, w)| **w > 0.0);

@@ -6,9 +6,9 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 /// Change that leads from a point to its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NeighbourChange {
-    /// Change of one coordinate to a different listed value.
+    /// Change of one coordinate to another value of its list.
     List,
-    /// Change of two coordinates to different listed values.
+    /// Change of two coordinates, each to another value of its own list.
     Lists,
     /// Step of one coordinate that has a range, as a share of that range.
     Range(f64),

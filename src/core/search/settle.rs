@@ -82,10 +82,10 @@ struct RoomState {
 /// the limit by the indifference, `bound` is the limit. If `bound` is less than `least`, the limit is
 /// `least`.
 ///
-/// The result is None if the cell requests an ideal layout, for which placement tolerances are ignored. The
-/// result is also None if `settings` request a Pareto search, or if the indifference is 0 or less. The result
-/// is also None if no piece has a range for x or y. The result is also None if no evaluated layout is usable,
-/// or if the observer stops the search.
+/// The result is None if the cell requests an ideal layout, which need only work at its nominal placements.
+/// The result is also None if `settings` request a Pareto search, or if the indifference is 0 or less. The
+/// result is also None if no piece has a range for x or y. The result is also None if no evaluated layout is
+/// usable, or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -82,7 +82,7 @@ pub struct Stopping {
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///
-    /// A Pareto search does not end by the relative gap, because the bound applies to the objective alone.
+    /// The rule [`Self::gap`] does not end a Pareto search, because the bound applies to the objective alone.
     /// For the rule [`Self::stagnation`], a new member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,

@@ -20,16 +20,18 @@ pub struct ComparedPose {
     /// reflectors absorbs is removed.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error, m. In the signed reading, this is the length of [`Self::predicted`]. In
-    /// the other readings, this is the root mean square of the error, deviations included.
+    /// the other readings, this is the root mean square of the error, random deviations included.
     pub size: f64,
-    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are
-    /// predicted.
+    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if the prediction contains no
+    /// random deviations ([`super::PredictedErrors::has_deviations`]).
     ///
-    /// Each parameter deviates by the same amount at all poses, because all poses belong to one arm. The
-    /// ellipsoid excludes the part of the error that the fit of base and reflectors absorbs.
+    /// The ellipsoid assumes that each parameter deviates by the same amount at all poses, because all poses
+    /// belong to one arm. The ellipsoid excludes the part of the error that the fit of base and reflectors
+    /// absorbs.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside a second 95 % ellipsoid. This ellipsoid follows from deviations
-    /// that change from pose to pose. None unless the error set comes from measurements.
+    /// Whether the measured error is inside a second 95 % ellipsoid. The second ellipsoid assumes that the
+    /// deviations of the parameters change from pose to pose. None unless the error set comes from
+    /// measurements.
     pub is_inside_varying: Option<bool>,
 }
 

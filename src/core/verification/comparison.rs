@@ -27,17 +27,18 @@ pub struct MeasuredComparison {
     pub predicted: Accuracy,
     /// Statistics of the sizes of the differences between measured and predicted errors.
     pub residual: Accuracy,
-    /// Share of the poses whose measured error is inside its 95 % ellipsoid; None if no deviations are
-    /// predicted.
+    /// Share of the poses whose measured error is inside its 95 % ellipsoid; None if the prediction contains
+    /// no random deviations.
     pub coverage: Option<f64>,
-    /// Share of the poses whose measured error is inside the 95 % ellipsoid of deviations that change from
-    /// pose to pose. None unless the errors of the error set are measured.
+    /// Share of the poses whose measured error is inside a second 95 % ellipsoid. The second ellipsoid
+    /// assumes that the random errors of the parameters change from pose to pose. None unless the errors of
+    /// the error set are measured.
     ///
     /// The covariance of a calibration contains the misfit of the calibrated model. This misfit changes with
     /// the posture.
     pub coverage_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all poses; None if all predicted sizes are
-    /// equal, or all measured sizes.
+    /// equal, or if all measured sizes are equal.
     pub correlation: Option<f64>,
     pub ranking: SpotRanking,
     /// Repeated postures; None if no posture was visited twice.

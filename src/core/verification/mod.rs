@@ -1,9 +1,10 @@
 //! Verification: the errors that a cell predicts, compared with positions that an instrument has measured.
 //!
 //! Only the commanded joints and the measured positions are known. The pose of the robot base in the frame of
-//! the instrument and the places of the reflectors are fitted with the nominal arm. This fit absorbs a part
-//! of the errors, so the same part must be removed from the prediction. Let `p_i` be the measured positions
-//! in the fitted base frame, and `n_i` the nominal positions:
+//! the instrument is unknown. The positions of the reflectors on the mechanical interface are also unknown. A
+//! fit of the nominal arm to the measured positions determines both. This fit absorbs a part of the errors,
+//! so the same part must be removed from the prediction. Let `p_i` be the measured positions in the fitted
+//! base frame, and `n_i` the nominal positions:
 //!
 //! ```text
 //! measured    m_i = p_i - n_i

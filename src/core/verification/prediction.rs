@@ -45,18 +45,20 @@ impl PredictedErrors {
         &self.chain
     }
 
-    /// Returns whether the parameters vary, so that ellipsoids of the positions are predicted.
+    /// Returns whether the parameters have random deviations. If so, the prediction contains 95 % ellipsoids
+    /// of the positions.
     pub fn has_deviations(&self) -> bool {
         self.has_deviations
     }
 
-    /// Returns whether deviations may change from pose to pose, as the misfit of a calibration does.
+    /// Returns whether the deviations of the parameters may change from pose to pose, as the misfit of a
+    /// calibration does.
     pub fn may_vary(&self) -> bool {
         self.may_vary
     }
 
-    /// Returns whether the deviations count in the predicted size of an error. In the signed reading, the
-    /// deviations do not count.
+    /// Returns whether the predicted size of an error includes the random deviations of the parameters. In
+    /// the signed reading, the size includes no random deviations.
     pub fn counts_deviations(&self) -> bool {
         self.counts_deviations
     }

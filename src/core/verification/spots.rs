@@ -24,7 +24,7 @@ pub struct SpotRanking {
     /// Spots in the order of their first poses.
     pub spots: Vec<MeasuredSpot>,
     /// Spearman correlation of predicted and measured errors over all spots; None if all predicted errors are
-    /// equal, or all measured errors.
+    /// equal, or if all measured errors are equal.
     pub correlation: Option<f64>,
     /// Spot with the least predicted error.
     pub chosen: MeasuredSpot,

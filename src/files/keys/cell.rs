@@ -76,7 +76,7 @@ key_table! {
         OBSTACLE = Key::new("obstacle", ValueKind::Named(&ValueKind::Table(&obstacle::TABLE), 0), "Obstacles: one table [obstacle.NAME] for each.");
         KEEP_OUT = Key::new("keep_out", ValueKind::Named(&ValueKind::Table(&keep_out::TABLE), 0), "Boxes that nothing may enter: one table [keep_out.NAME] for each.");
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
-        OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys on, grid, bend_deg and sense");
+        OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys `on`, `grid`, `bend_deg` and `sense`");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
         CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must have this distance in height, or in plan along a side of one of the two. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world frame.");

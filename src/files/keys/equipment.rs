@@ -72,9 +72,9 @@ key_table! {
     extends super::body::TABLE;
     rules [Rule::AnyOf(&OBSTACLE_BODY), Rule::Excludes("plan", &BODY)];
     refused [
-        Refused { name: "errors", message: "an obstacle has no `errors`", remedy: "make the obstacle an [equipment.NAME] if work is done on it, or remove the errors" },
-        Refused { name: "stands_on", message: "an obstacle is fixed in the world: it has no `stands_on`", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },
-        Refused { name: "placement_tolerance", message: "an obstacle has no `placement_tolerance`", remedy: "make the obstacle an [equipment.NAME] if it can be misplaced, or remove the tolerance" },
+        Refused { name: "errors", message: "an obstacle cannot have `errors`", remedy: "make the obstacle an [equipment.NAME] if work is done on it, or remove the errors" },
+        Refused { name: "stands_on", message: "an obstacle cannot have `stands_on`, because it is fixed in the world", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },
+        Refused { name: "placement_tolerance", message: "an obstacle cannot have `placement_tolerance`", remedy: "make the obstacle an [equipment.NAME] if it can be misplaced, or remove the tolerance" },
     ];
 }
 

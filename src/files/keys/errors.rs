@@ -201,7 +201,7 @@ key_table! {
     ];
     refused [Refused {
         name: "covariance",
-        message: "the errors of equipment have no `covariance`",
+        message: "the errors of equipment cannot have `covariance`",
         remedy: "give the plus-or-minus values in position_mm and rotation_deg",
     }];
 }

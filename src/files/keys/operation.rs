@@ -58,7 +58,7 @@ const DIVISIONS: ValueKind =
 
 key_table! {
     operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that counts.", {
-        ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add on = \"NAME\", the equipment with the work surface");
+        ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add the key on = \"NAME\", where NAME is the equipment with the work surface");
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, the whole surface.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");

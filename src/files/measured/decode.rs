@@ -3,8 +3,8 @@
 /// Decodes a data file, and removes the byte order mark.
 ///
 /// A byte order mark, or a zero in every second byte, identifies UTF-16. If a file is neither UTF-16 nor
-/// UTF-8, each byte is one character (ISO 8859-1). In Windows-1252, the encoding of old spreadsheets, degree
-/// sign and umlauts have the same bytes.
+/// UTF-8, each byte is one character (ISO 8859-1). Old spreadsheets use the encoding Windows-1252, not ISO
+/// 8859-1. Both encodings represent the degree sign and the umlauts by the same bytes.
 ///
 /// # Errors
 ///

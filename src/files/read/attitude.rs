@@ -51,7 +51,7 @@ fn read_azimuth(t: &mut Table) -> Option<(Azimuth, Option<Coordinate>)> {
         Value::Text(word) if word == "free" => Some((Azimuth::Free, None)),
         Value::Text(word) => {
             let message = format!("`azimuth_deg` cannot be \"{}\"", shown(word));
-            t.error(node.at, message, "write an angle in the surface, \"radial\" or \"free\"");
+            t.error(node.at, message, "write an angle in the surface, or \"radial\", or \"free\"");
             None
         }
         _ => {
@@ -73,7 +73,8 @@ fn read_spin(t: &mut Table) -> Option<(Spin, Option<Coordinate>)> {
             None
         }
         Value::Array(items) if items.is_empty() || items.len() > MAX_SPINS => {
-            let message = format!("`spin_deg` must be 1 to {MAX_SPINS} angles, not {}", items.len());
+            let message =
+                format!("a list in `spin_deg` must have 1 to {MAX_SPINS} angles, not {}", items.len());
             t.error(node.at, message, "write for example spin_deg = [0, 90, 180, 270], or \"free\"");
             None
         }

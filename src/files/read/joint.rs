@@ -24,7 +24,11 @@ pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     for (joint, row) in joints.iter().zip(rows) {
         if !names.insert(&joint.name) {
             let message = format!("two joints are named `{}`", joint.name);
-            t.error(row.at, message, "give each joint a unique name: messages name the joints");
+            t.error(
+                row.at,
+                message,
+                "give each joint a unique name, because messages refer to a joint by its name",
+            );
         }
     }
     let turns = |j: &&Joint| j.kind == JointKind::Revolute && !j.is_passive();

@@ -59,7 +59,7 @@ fn coefficients(t: &mut Table, key: &Key) -> Option<Vec<f64>> {
 /// Refuses periodic errors in a set of tolerances.
 pub fn refuse(t: &mut Table) {
     if let Some(node) = t.get(&error_set::PERIODIC) {
-        let message = "tolerances have no `periodic` errors";
+        let message = "tolerances cannot have `periodic` errors";
         t.error(node.at, message, "write kind = \"measured\" if a calibration identified these errors");
     }
 }

@@ -61,7 +61,7 @@ fn read_bodies(t: &mut Table) -> Option<Vec<PlanBody>> {
         file.tell(Severity::Error, error, t.lib);
     }
     if found.found.is_empty() && found.errors.is_empty() {
-        let message = format!("`{}` has no closed outline on these layers", shown(&file.path));
+        let message = format!("`{}` has no closed outline on the layers in `layers`", shown(&file.path));
         let help = "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet";
         t.error(file.at, message, help);
     }

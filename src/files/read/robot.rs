@@ -110,7 +110,7 @@ fn read_packages(t: &mut Table) -> RosPackages {
     let key = robot::PACKAGES;
     let Some(node) = t.get(&key) else { return RosPackages::default() };
     if !matches!(node.value, Value::Table(_)) {
-        let message = format!("`packages` must be a table, not {}", node.value.kind());
+        let message = format!("`packages` must be a TOML table, not {}", node.value.kind());
         t.error(node.at, message, format!("write packages = {}", key.example));
     }
     let mut folders = Vec::new();

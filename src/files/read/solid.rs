@@ -48,7 +48,11 @@ pub fn read_each<T>(
             && !names.insert(s.name.clone())
         {
             let message = format!("two solids are named `{}`", s.name);
-            t.error(t.at, message, "give each solid a unique name: messages name the solids");
+            t.error(
+                t.at,
+                message,
+                "give each solid a unique name, because messages refer to a solid by its name",
+            );
         }
         read_one(t, solid)
     });

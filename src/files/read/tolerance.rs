@@ -60,11 +60,11 @@ pub fn read_measured(
     arm: ErrorRows<'_>,
 ) -> Option<MeasuredErrors> {
     if let Some(node) = t.get(&error_set::DISTRIBUTION) {
-        let message = "measured errors have no `distribution`: a covariance implies normal distributions";
+        let message = "measured errors cannot have `distribution`: a covariance implies normal distributions";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     if let Some(node) = t.get(&error_set::COST) {
-        let message = "measured errors have no `cost`: they are known, so no tolerance can be ordered";
+        let message = "measured errors cannot have `cost`: they are known, so no tolerance can be ordered";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     let sigmas = t.number(&error_set::SIGMAS);
@@ -95,7 +95,7 @@ pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
         if let Some(node) = t.get(&key)
             && form == Some(ErrorForm::Signed)
         {
-            let message = format!("a signed set has no `{}`: it is one sample", key.name);
+            let message = format!("a signed set cannot have `{}`, because it is one sample", key.name);
             t.error(node.at, message, "write kind = \"tolerance\" if its numbers are plus-or-minus");
         }
     }
@@ -142,7 +142,11 @@ pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -
         let message =
             format!("`{}` must be a word or a list of {len} words, not a list of {}", key.name, items.len());
         let all = key.kind.example();
-        t.error(node.at, message, format!("write one word for all, or {len} in [ ]: {all}"));
+        t.error(
+            node.at,
+            message,
+            format!("write one word for all {len} parameters, or a list of {len} words; each word is {all}"),
+        );
         return None;
     }
     let words: Vec<_> = items.iter().map(|item| value::word(item, key.name, t.lib)).collect();

@@ -59,7 +59,11 @@ pub fn mount(
         if solids.iter().any(|s| s.solid.name == solid.name) {
             let message =
                 format!("a solid of the tool has the same name as a solid of the robot: `{}`", solid.name);
-            t.error(tool.at, message, "give each solid a unique name: messages name the solids");
+            t.error(
+                tool.at,
+                message,
+                "give each solid a unique name, because messages refer to a solid by its name",
+            );
         }
         let Solid { name, shape } = solid.clone();
         solids.push(LinkSolid { link: interface, solid: Solid { name, shape: shape.seen_from(tip) } });

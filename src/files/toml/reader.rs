@@ -44,8 +44,12 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
             Value::Table(entries) => entries,
             Value::Unread => return None,
             other => {
-                let message = format!("{what} must be a table, not {}", other.kind());
-                lib.error(node.at, message, "write its keys under a header in [ ], or in { }");
+                let message = format!("{what} must be a TOML table, not {}", other.kind());
+                lib.error(
+                    node.at,
+                    message,
+                    "write its keys below a header in [ ], or write { KEY = VALUE, ... }",
+                );
                 return None;
             }
         };
@@ -285,7 +289,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
     ) -> Vec<T> {
         let (Some(node), Some(keys)) = (self.get(key), key.kind.table()) else { return Vec::new() };
         if !matches!(node.value, Value::Table(_)) {
-            let message = format!("`{}` must be tables with names, not {}", key.name, node.value.kind());
+            let message = format!("`{}` must be TOML tables with names, not {}", key.name, node.value.kind());
             self.error(node.at, message, format!("write [{}.NAME] above every entry", key.name));
         }
         let read_one = |(name, at, node): &'n Entry| {

@@ -10,9 +10,10 @@ use std::fmt::Write;
 
 /// Copies the links in `outline.links`, and the joints between these links, from a URDF.
 ///
-/// `meshes` gives new paths. The shape of a mesh without a new path is left out. If an angle is a rounded
-/// multiple of a right angle, the copy states the multiple with all digits. Continuous joints get the limits
-/// that the reader assumes for them. `about` becomes a comment.
+/// `meshes` maps the path of a mesh file in the URDF to the path in the copy. If `meshes` lacks a mesh file,
+/// the copy omits the shape of this mesh. If an angle is a rounded multiple of a right angle, the copy states
+/// the multiple with all digits. Continuous joints get the limits that the reader assumes for them. `about`
+/// becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,

@@ -61,8 +61,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the coordinates that the page can change, by owner. The page can change all coordinates of
-/// equipment and the robot base, even those that the file fixes.
+/// Returns the coordinates that the page can change, grouped by their owners: equipment, operations and robot
+/// base. The page can change all coordinates of equipment and the robot base, even those that the file fixes.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()
@@ -99,7 +99,8 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
     }
 }
 
-/// Returns the coordinates of a layout, with the owners and keys that [`form`] gives them.
+/// Returns the values of all coordinates of a layout by owner and key. The owner of a coordinate is the robot
+/// base, a piece of equipment or an operation. [`form`] returns the owners and keys.
 pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     let mut all = NumbersRecord::default();
     // `Cell::layout` visits every coordinate; only the visits are needed here.

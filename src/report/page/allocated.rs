@@ -8,8 +8,8 @@ use crate::cell::Reading;
 use crate::record::AllocationDocument;
 use crate::report::chart;
 
-/// Share of random arms that must stay within each limit if the quantity is the yield. The command `sweetspot
-/// allocate` has the same default.
+/// Required yield: share of arms with random parameter errors that must stay within each limit. The command
+/// `sweetspot allocate` has the same default.
 const SHARE: f64 = 0.99;
 
 /// Returns the section of the shown layout. The section is empty if no operation has a limit, or if the

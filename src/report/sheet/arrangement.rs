@@ -14,7 +14,7 @@ const PAPERS: [Paper; 4] = [
 ];
 /// Margin at the left of the frame, with space for holes (ISO 5457), mm.
 pub const FILING_MARGIN: f64 = 20.0;
-/// Margin at the other three sides of the frame (ISO 5457), mm.
+/// Margin at the right, the top and the bottom of the frame (ISO 5457), mm.
 pub const MARGIN: f64 = 10.0;
 /// Width and height of the title block (ISO 7200), mm. The block is as wide as the frame of an upright A4.
 pub const BLOCK: (f64, f64) = (210.0 - FILING_MARGIN - MARGIN, 40.0);

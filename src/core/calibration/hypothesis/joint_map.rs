@@ -44,7 +44,8 @@ impl JointMap {
         couplings: [None; MAX_COUPLINGS],
     };
 
-    /// Returns the actuator coordinates, rad or m, of joint columns; `unit` (m) is the unit of lengths.
+    /// Returns the actuator coordinates, rad or m, for the joint columns `raw` of one row. The flag `degrees`
+    /// is true if angles are in degrees. `unit` is the size in m of the file's unit of length.
     pub fn applied(&self, chain: &Chain, raw: &JointVector, degrees: bool, unit: f64) -> JointVector {
         let mut values = [0.0; MAX_JOINTS];
         for (i, link) in chain.links.iter().enumerate() {
@@ -62,7 +63,7 @@ impl JointMap {
         joints
     }
 
-    /// Returns the complexity of the map: a weighted count of its assumptions.
+    /// Returns the complexity of the map: a weighted count of its differences from [`Self::PLAIN`].
     pub fn complexity(&self) -> usize {
         let flips = self.signs.iter().filter(|s| **s < 0.0).count();
         let offsets = self.offsets.iter().filter(|o| **o != 0.0).count();
@@ -79,8 +80,8 @@ impl JointMap {
         self
     }
 
-    /// Returns one copy of the plain map for each column order that is tried. Two columns are swapped, all
-    /// columns are shifted by one, or the order is reversed.
+    /// Returns the maps that differ from [`Self::PLAIN`] only by the order of the columns, one for each order
+    /// that is tried. Two columns are swapped, all columns are shifted by one, or the order is reversed.
     pub fn orders(axes: usize) -> Vec<Self> {
         let with = |column: &dyn Fn(usize) -> usize| {
             let mut map = Self::PLAIN;
@@ -102,8 +103,8 @@ impl JointMap {
         all
     }
 
-    /// Returns copies of the plain map for the offsets that are tried. In each copy, one or two of the inner
-    /// revolute joints have an offset of 90, -90 or 180 degrees.
+    /// Returns the maps that differ from [`Self::PLAIN`] only by offsets. In each map, one or two of the
+    /// inner revolute joints have an offset of 90, -90 or 180 degrees.
     ///
     /// Offsets of the first and the last joint are equivalent to other poses of base and reflector.
     pub fn turns(chain: &Chain) -> Vec<Self> {
@@ -128,7 +129,7 @@ impl JointMap {
         all
     }
 
-    /// Returns one copy of the plain map for each set of couplings that is tried.
+    /// Returns the maps that differ from [`Self::PLAIN`] only by couplings, one for each set that is tried.
     ///
     /// Joint 3 may be measured from the horizontal instead of from link 2. Joints 2 and 3 may drive joint 4
     /// of an arm with four or five axes, such as a palletizer. In the wrist of an arm with six or more axes,
@@ -158,7 +159,8 @@ impl JointMap {
         (1..sets).map(set).collect()
     }
 
-    /// Returns this map with the assumptions of `other` added.
+    /// Returns the combination of this map and `other`. Column orders and signs of both maps apply. Offsets
+    /// of `other` that are not 0, and its couplings if it has any, replace those of this map.
     pub fn with(&self, other: &Self) -> Self {
         let mut map = *self;
         for i in 0..MAX_JOINTS {

@@ -1,9 +1,9 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
 //! A hypothesis states the units, the joint to which each column belongs, and whether the position is
-//! mirrored. It also states the signs, zeros and coupling of the joints. The plain reading is kept unless
-//! another reading fits clearly better. The convention of the orientations is found after the reading of
-//! the positions.
+//! mirrored. It also states the signs, zero offsets and coupling of the joints. The plain reading is kept
+//! unless another reading fits clearly better. The convention of the orientations is found after the reading
+//! of the positions.
 
 mod data_reading;
 mod joint_map;
@@ -48,8 +48,8 @@ const WORST: usize = 10;
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
 const FITTED: usize = 40;
 
-/// Returns the reading that explains the raw numbers: units, and columns, signs, zeros and coupling of the
-/// joints.
+/// Returns the reading that best explains the raw numbers. A reading states the units, and whether the
+/// positions are mirrored. It also states the columns, signs, zero offsets and coupling of the joints.
 ///
 /// Other joint maps and mirrored positions are tried under two conditions. There must be at least 8 rows. The
 /// plain map must leave a root mean square distance of at least 0.1 % of `reach` (m). Another reading is

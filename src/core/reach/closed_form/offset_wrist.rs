@@ -27,7 +27,7 @@ pub struct OffsetWrist {
     /// D-H rows from base to flange, or the rows of the reversed chain.
     links: [Link; 6],
     arm: PositioningArm,
-    /// Variant of `arm` that computes only lower bounds of distances.
+    /// Faster variant of `arm`, which returns lower bounds of distances in place of the distances.
     fast: PositioningArm,
     /// Constant part `Tx(l_6) Rx(alpha_6)` of the last D-H row, if the arm is solved from flange to base;
     /// otherwise None.
@@ -90,15 +90,17 @@ impl OffsetWrist {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
-    /// values of the chain. The branch index numbers the solutions of this pose. A solution may change its
+    /// `flange` is a pose in frame 0, without the tool. `posture` is working memory. Before the call, it must
+    /// hold the constant D-H values of the chain, such as r of a revolute joint. The function overwrites the
+    /// joint coordinates. The branch index numbers the solutions of this pose. A solution may change its
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
     /// reach. Let P be the intersection of axes 4 and 5. If the first three joints cannot reach P for any
     /// scanned theta_6, the measure is a distance. It is the least distance between P and the points that
-    /// these joints reach. Otherwise the measure is a difference of cosines, times the forearm length r_4.
-    /// The difference is the least error of the cosine of the angle between axes 4 and 5.
+    /// these joints reach. Otherwise the measure is the least difference of two cosines over all scanned
+    /// theta_6, times the forearm length r_4. The first is the cosine of the angle between axes 4 and 5. The
+    /// second is the required value of this cosine.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

@@ -30,8 +30,9 @@ impl PositioningArm {
         })
     }
 
-    /// Returns a variant of the solver that computes only a lower bound of the distance that [`Self::solve`]
-    /// returns.
+    /// Returns a faster variant of the solver. For a target out of reach, [`Self::solve`] of the variant
+    /// returns only a lower bound in place of the distance. At the boundary of the reach, rounding may hide a
+    /// solution from the variant.
     pub fn fast(&self) -> Self {
         let mut fast = self.clone();
         match &mut fast {

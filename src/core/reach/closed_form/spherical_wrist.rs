@@ -54,8 +54,9 @@ impl SphericalWrist {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
-    /// D-H values of the chain.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is working memory. Before the call, it must
+    /// hold the constant D-H values of the chain, such as r of a revolute joint. The function overwrites the
+    /// joint coordinates.
     ///
     /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1
     /// distinguishes the two elbow solutions, and bit 2 is set if the arm leans back over its base.
@@ -82,8 +83,9 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a variant of the solver that computes only a lower bound of the distance that [`Self::solve`]
-    /// returns.
+    /// Returns a faster variant of the solver. For a target out of reach, [`Self::solve`] of the variant
+    /// returns only a lower bound in place of the distance. At the boundary of the reach, rounding may hide a
+    /// solution from the variant.
     pub fn fast(&self) -> Self {
         Self { arm: self.arm.fast(), ..self.clone() }
     }

@@ -104,7 +104,9 @@ impl ThreeParallel {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is working memory. Before the call, it must
+    /// hold the constant D-H values of the chain, such as r of a revolute joint. The function overwrites the
+    /// joint coordinates.
     ///
     /// Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if sin theta_5 < 0. Bit
     /// 2 distinguishes the two solutions for theta_1.
@@ -116,10 +118,11 @@ impl ThreeParallel {
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
     /// case, bit 2 is 0, and a scan sets theta_1 to the first angle with a solution.
     ///
-    /// Returns the distance (m) by which the wrist centre is out of reach. If the wrist centre is too near to
-    /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise the distance is measured
-    /// in the plane of the arm, normal to axis 2. A distance of 0 does not always mean that a solution
-    /// exists. If alpha_4 or alpha_5 is not a right angle, axes 4 to 6 cannot reach every orientation.
+    /// Returns the distance (m) by which the wrist centre is out of reach. The equation for theta_1 has no
+    /// solution if the wrist centre is too near to axis 1. In this case, the distance is measured along axis
+    /// 2. Otherwise the distance is measured in the plane of the arm, normal to axis 2. A distance of 0 does
+    /// not always mean that a solution exists. If alpha_4 or alpha_5 is not a right angle, axes 4 to 6 cannot
+    /// reach every orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);

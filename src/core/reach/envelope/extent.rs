@@ -30,8 +30,9 @@ pub struct EnvelopeExtent {
     pub radius: (f64, f64),
     /// Least and greatest height of the envelope, m.
     pub height: (f64, f64),
-    /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
-    /// large as the distance between sampled points, because the envelope is often rounded there.
+    /// Height, m, at which the distance from the base axis is greatest. The outline of the envelope is often
+    /// nearly vertical at this height. The error of the height can therefore be as large as the distance
+    /// between sampled points.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance
     /// between sampled points may be missed.

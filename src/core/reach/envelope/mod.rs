@@ -47,7 +47,8 @@ pub struct Envelope<'a> {
 impl<'a> Envelope<'a> {
     /// Prepares an envelope.
     ///
-    /// `yaw` (rad) is the rotation, in the base frame, of the surface from which azimuths are measured.
+    /// `yaw` (rad) is the rotation of the work surface in the base frame. Azimuths are measured from the x
+    /// axis of this surface, unless the azimuth is radial.
     pub fn new(inverse: &'a Inverse, attitude: &Attitude, yaw: f64) -> Self {
         let attitudes = inverse.tool_attitudes(attitude, yaw);
         Self { inverse, attitude: attitude.clone(), attitudes, shell: inverse.shell(attitude) }

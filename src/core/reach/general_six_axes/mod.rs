@@ -34,7 +34,8 @@
 //!    and rejects candidates that are not solutions (`scaled_arm`, `pose_problem`).
 //!
 //! The determinant is 0 at every t_2 if the arm is degenerate in an arrangement, for example because of
-//! parallel axes. So the solver chooses the arrangement that finds the most trial postures. A pose that is
+//! parallel axes. As a test, the solver solves the flange poses of 16 trial postures in several arrangements.
+//! It chooses the arrangement in which the solutions include the most trial postures. A pose that is
 //! degenerate in this arrangement is solved in another arrangement. If solutions are not isolated (the arm
 //! can move while the flange does not), some of them are returned.
 
@@ -59,7 +60,7 @@ use pose_problem::{JointSolutions, PoseProblem};
 use scaled_arm::ScaledArm;
 use std::f64::consts::{PI, TAU};
 
-/// Number of trial postures on which an arrangement is tested.
+/// Number of trial postures. An arrangement is tested by solving the poses of their flanges.
 const TRIALS: usize = 16;
 
 /// Least number of trial postures that the solver of an arm must find. One posture may be nearly singular.
@@ -79,8 +80,9 @@ impl GeneralSixAxes {
     /// Returns the solver of an arm with six revolute axes. The preparation takes a few milliseconds at most.
     ///
     /// # Errors
-    /// Returns the reason if the chain does not have six revolute joints. Also returns the reason if the arm
-    /// is degenerate: the solver misses more than one trial posture.
+    /// Returns the reason if the chain does not have six revolute joints. As a test, the function solves the
+    /// flange poses of 16 trial postures. If the solutions lack more than one trial posture, the arm counts
+    /// as degenerate, and the function returns this reason.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let rows: &[Link; 6] = chain.links.as_slice().try_into().map_err(|_| {
             format!("the chain has {} joints, and the general method needs six", chain.links.len())
@@ -127,8 +129,9 @@ impl GeneralSixAxes {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
-    /// values of the chain. The branch index numbers the solutions of this pose. A solution may change its
+    /// `flange` is a pose in frame 0, without the tool. `posture` is working memory. Before the call, it must
+    /// hold the constant D-H values of the chain, such as r of a revolute joint. The function overwrites the
+    /// joint coordinates. The branch index numbers the solutions of this pose. A solution may change its
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
@@ -197,7 +200,8 @@ impl GeneralSixAxes {
         PoseProblem::new(&self.arm, self.arrangement, Some(&self.inner), target)
     }
 
-    /// Returns the number of trial postures that `solve` finds from the poses of their flanges.
+    /// Solves the flange pose of every trial posture with `solve`. Returns the number of trial postures that
+    /// are among the solutions.
     fn count_found(&self, solve: impl Fn(&Self, &Pose, &mut JointSolutions) -> f64) -> usize {
         let is_found = |joints: &[f64; 6]| {
             let mut solutions = JointSolutions::new();

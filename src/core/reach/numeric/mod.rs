@@ -137,7 +137,7 @@ impl Numeric {
         }
     }
 
-    /// Returns the solution to which a descent from `start` leads; None if the descent leads to no solution.
+    /// Returns the solution that a descent from `start` finds; None if the descent finds no solution.
     pub fn from(&self, goal: &TcpGoal, start: &JointVector) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -148,11 +148,10 @@ impl Numeric {
         })
     }
 
-    /// Returns the solution to which a descent from `start` leads. The joint with the index `held` does not
-    /// move.
+    /// Returns the solution that a descent from `start` finds. The joint with the index `held` does not move.
     ///
     /// # Errors
-    /// Returns the remaining errors of position and orientation if the descent leads to no solution.
+    /// Returns the remaining errors of position and orientation if the descent finds no solution.
     pub fn following(
         &self,
         goal: &TcpGoal,
