@@ -1,7 +1,7 @@
 //! Tests the regions of the pieces of found layouts: the outlines against layouts at random points, the room,
 //! and the choice of a layout with much room.
 
-use crate::common::{buildable, cases, from_text_to_build};
+use crate::common::{buildable, cases, from_text, from_text_to_build};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::atomic::AtomicBool;
@@ -104,6 +104,24 @@ fn everything_holds_inside_the_outlines_and_nothing_outside() {
                     assert!(anew.is_accepted() && anew.objective.unwrap() <= most, "{name} {anew:?}");
                 }
             });
+        }
+    }
+}
+
+/// A layout that is judged with its own spots has exactly the objective of its evaluation, even if a lower
+/// bound of the worst case is much cheaper than the worst case.
+#[test]
+fn a_layout_held_at_its_own_spots_keeps_its_objective() {
+    for model in ["linear", "nonlinear"] {
+        let text = format!(
+            "from = \"hitachi_cell.toml\"\nerrors = \"table-3-tolerance\"\nreading = \"worst-case\"\nmodel = \"{model}\""
+        );
+        let workcell = Workcell::new(from_text(&text).unwrap().cell).unwrap();
+        for seed in 1..=10 {
+            let best = found(&workcell, 60, seed).best;
+            let Some(held) = HeldLayout::new(&workcell, &best.layout) else { continue };
+            let judged = held.judge(&best.layout, f64::INFINITY, &mut HeldMemory::default());
+            assert_eq!(judged.ok(), best.evaluation.objective, "{model}, seed {seed}");
         }
     }
 }

@@ -106,19 +106,25 @@ impl OperationQuery<'_> {
 
     /// Computes the value of the operation in a posture, and places the frames of the posture in `memory`.
     ///
-    /// If the layout allows bounds ([`PlacedLayout::bounding`]), the result may be a lower bound of the
-    /// value.
-    ///
     /// # Errors
     /// Returns the status of the point if errors cannot be computed in this layout.
     pub fn value(&self, posture: &Posture, memory: &mut PostureMemory) -> Result<f64, Status> {
         let PostureMemory { frames, scratch, .. } = memory;
         let context = self.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         self.placed.mapper.arm.chain.place(posture, frames);
-        Ok(match self.placed.takes_bounds {
-            true => self.setup.bound(Certainty::Bound, context, frames, scratch),
-            false => self.setup.value(context, frames, scratch),
-        })
+        Ok(self.setup.value(context, frames, scratch))
+    }
+
+    /// Computes a lower bound of [`Self::held`], or the value itself if a bound would save little time.
+    ///
+    /// # Errors
+    /// Returns the status of the point as [`Self::held`] does.
+    fn held_bound(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
+        let posture = self.held_posture(held)?;
+        let PostureMemory { frames, scratch, .. } = memory;
+        let context = self.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
+        self.placed.mapper.arm.chain.place(&posture, frames);
+        Ok(self.setup.bound(Certainty::Bound, context, frames, scratch))
     }
 }
 
@@ -142,6 +148,25 @@ impl PlacedLayout<'_> {
         workspace: &mut MapperWorkspace,
     ) -> Result<f64, Status> {
         self.asking(operation, spots, workspace, |query, memory| query.held(held, memory))
+    }
+
+    /// Computes a lower bound of [`Self::held`], or the value itself if a bound would save little time.
+    ///
+    /// # Errors
+    /// Returns the status of the point if the posture cannot be held.
+    pub fn held_bound(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        held: &HeldPosture,
+        workspace: &mut MapperWorkspace,
+    ) -> Result<f64, Status> {
+        self.asking(operation, spots, workspace, |query, memory| query.held_bound(held, memory))
+    }
+
+    /// Returns whether [`Self::held_bound`] may be less than [`Self::held`].
+    pub fn has_held_bound(&self, operation: usize) -> bool {
+        self.mapper.setups[operation].has_sharp_bound()
     }
 
     /// Checks that the arm can reach a held posture of an operation in this layout. Collisions and motion

@@ -117,6 +117,11 @@ impl OperationSetup {
         self.is_priced || self.evaluator.has_worst_bounds()
     }
 
+    /// Returns whether [`Self::bound`] with [`Certainty::Bound`] may be less than [`Self::value`].
+    pub fn has_sharp_bound(&self) -> bool {
+        self.is_priced || self.evaluator.has_sharp_worst_bound()
+    }
+
     /// Returns a lower bound of [`Self::value`], or the value itself if no bound is known. `certainty`
     /// selects the cheap bound or the sharper bound.
     pub fn bound(

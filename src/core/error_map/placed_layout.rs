@@ -21,9 +21,6 @@ pub struct PlacedLayout<'a> {
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
-    /// Whether a lower bound may replace the value of an operation in a held posture. The bound replaces the
-    /// value only if the value takes much longer to compute.
-    pub(super) takes_bounds: bool,
 }
 
 /// Surface of one operation in one layout, in the robot base frame.
@@ -45,7 +42,7 @@ impl<'a> PlacedLayout<'a> {
     /// Sets the poses of the solids of a layout, and reuses the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
-        Self { mapper, layout, solids, demand: None, kept: &[], takes_bounds: false }
+        Self { mapper, layout, solids, demand: None, kept: &[] }
     }
 
     /// Returns this layout with the demand that only certified postures are used.
@@ -62,14 +59,6 @@ impl<'a> PlacedLayout<'a> {
     #[must_use]
     pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
         Self { kept, ..self }
-    }
-
-    /// Returns this layout with the permission for lower bounds. The value of an operation in a held posture
-    /// may then be a lower bound. A lower bound replaces a value only if the value takes much longer to
-    /// compute.
-    #[must_use]
-    pub fn bounding(self) -> Self {
-        Self { takes_bounds: true, ..self }
     }
 
     /// Returns the demand that every posture must meet at all misplacements; None if misplacements are not

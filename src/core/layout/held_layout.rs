@@ -157,8 +157,7 @@ impl<'a> HeldLayout<'a> {
     /// Judges another layout whose operations keep the spots of this layout. Returns the objective of the
     /// other layout (m, rad, share of failures, or cost of tolerances). A returned objective never exceeds
     /// `most`. If the objective is the cost of tolerances, the result may be an upper bound of the least
-    /// cost. If the reading is the worst case, a lower bound may replace an error
-    /// ([`PlacedLayout::bounding`]).
+    /// cost.
     ///
     /// # Errors
     /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
@@ -234,7 +233,7 @@ impl<'a> HeldLayout<'a> {
         });
         let placed =
             PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
-        let placed = placed.keeping(&self.kept).bounding();
+        let placed = placed.keeping(&self.kept);
         let judgement = Judgement { held: self, placed: &placed, most, known };
         let found = judgement.values(&mut memory.choice, &mut memory.bounds);
         memory.solids = placed.into_solids();
@@ -283,6 +282,7 @@ impl Judgement<'_, '_> {
         if price.unwrap_or(self.combined(&values)) > self.most {
             return Err(Ending::Objective);
         }
+        self.replace_bounds(&mut values, &spots, bounds)?;
         self.check(&mut values, &spots, bounds)?;
         let is_unpriced = price.is_none() && self.held.workcell.cell.unit() == Unit::Cost;
         let price = if is_unpriced { self.placed.joint_price(&spots, bounds) } else { price };
@@ -297,7 +297,7 @@ impl Judgement<'_, '_> {
     }
 
     /// Returns the spot and the value of every operation without misplacements. Collisions and certificates
-    /// are not checked.
+    /// are not checked. The value of a held spot may be a lower bound.
     ///
     /// If the price of the held layout is known, the costs of single operations are not needed. In this case,
     /// 0 is returned as a lower bound of each value.
@@ -315,7 +315,7 @@ impl Judgement<'_, '_> {
                 (None, HeldSpot::Spot { node, posture }) => {
                     let found = match &self.held.price {
                         Some(_) => self.placed.keeps(k, &spots, posture, bounds).map(|()| 0.0),
-                        None => self.placed.held(k, &spots, posture, bounds),
+                        None => self.placed.held_bound(k, &spots, posture, bounds),
                     };
                     let value = found.map_err(|status| Ending::Posture(k, status))?;
                     let branch = posture.branch_elsewhere(self.held.workcell.inverse());
@@ -333,6 +333,31 @@ impl Judgement<'_, '_> {
             values.push(found);
         }
         Ok(values)
+    }
+
+    /// Replaces lower bounds of errors at held spots by the errors.
+    ///
+    /// # Errors
+    /// Returns the reason if the objective exceeds the largest objective that is allowed.
+    fn replace_bounds(
+        &self,
+        values: &mut [OperationValue],
+        spots: &[Option<Spot>],
+        memory: &mut MapperWorkspace,
+    ) -> Result<(), Ending> {
+        if self.held.workcell.cell.unit() == Unit::Cost {
+            return Ok(());
+        }
+        for (k, held) in self.held.spots.iter().enumerate() {
+            if let (HeldSpot::Spot { posture, .. }, None, true) =
+                (held, self.known(k), self.placed.has_held_bound(k))
+            {
+                let value = self.placed.held(k, spots, posture, memory);
+                let value = value.map_err(|status| Ending::Posture(k, status))?;
+                values[k] = OperationValue { spot: Spot { value, ..values[k].spot }, value, worst: value };
+            }
+        }
+        if self.combined(values) > self.most { Err(Ending::Objective) } else { Ok(()) }
     }
 
     /// Certifies the spots and checks collisions and transfers. If a certificate is demanded, the worst
