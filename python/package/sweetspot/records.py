@@ -23,7 +23,9 @@ class AccuracyEntry(Record):
 
 
 class AccuracyQuantiles(Record):
-    """Pose accuracy AP over the robots of a series, mm. The accuracy of one robot is the mean over five poses."""
+    """Quantiles of the pose accuracy AP of simulated robots, mm. The accuracy of one robot is the mean over five
+    poses.
+    """
 
     median_mm: float
     p5_mm: float
@@ -31,7 +33,7 @@ class AccuracyQuantiles(Record):
     p95_mm: float
     """95th percentile: 95 % of the robots are better."""
     worst_pose_mm: float
-    """Median over the robots of the pose accuracy AP at the worst of the five poses."""
+    """Median, over all robots, of each robot's AP at its worst pose."""
 
 
 class AllocatedEntry(Record):
@@ -74,17 +76,20 @@ class AllocationDocument(Record):
     """Name of the figure that the reading gives."""
     registration: Literal['none', 'best-fit', 'taught']
     demanded_yield: Optional[float]
-    """Share of random arms that must stay within each limit; null unless the quantity is the yield."""
+    """Required yield: share of arms with random parameter errors that must stay within each limit. Null unless
+    the quantity is the yield.
+    """
     status: Literal['cheapest', 'exceeded', 'infeasible']
     cost_before: float
     """Cost of the tolerances in the error set."""
     cost: Optional[float]
-    """Cost of the tolerances that the allocation gives; null if infeasible. A final reduction of all tolerances
-    can increase this cost.
+    """Cost of the final tolerances; null if infeasible. If a figure still exceeds its limit after the last
+    round, all tolerances are reduced. `cost` includes this reduction, which makes the tolerances more
+    expensive.
     """
     lower_bound: Optional[float]
-    """Proven lower bound of the cost; null if infeasible. The proof uses linear figures that are scaled to match
-    the error model of the cell.
+    """Proven lower bound of the cost; null if infeasible. The proof uses figures by the linear error model,
+    scaled to the figures by the error model of the cell.
     """
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
@@ -172,7 +177,9 @@ class BoundEntry(Record):
     unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
     tightest: float
     without: float
-    """Figure if this parameter had no error, in the unit of the limit."""
+    """Figure that results if this parameter has no error and all others have their tightest tolerances. The unit
+    is the unit of the limit.
+    """
 
 
 class BudgetDocument(Record):
@@ -196,15 +203,19 @@ class BudgetDocument(Record):
 
 
 class CalibratedFile(Record):
-    """File of measured positions that was part of the fit."""
+    """File of measured positions from which the parameters are identified."""
 
     file: str
     poses: int
     """Number of measured positions."""
     before: AccuracyEntry
-    """Position errors of the nominal robot; base and reflector are fitted."""
+    """Distances of the measured positions from the positions of the nominal robot, after base and reflectors are
+    fitted.
+    """
     after: AccuracyEntry
-    """Position errors of the calibrated robot; base and reflector are fitted."""
+    """Distances of the measured positions from the positions of the calibrated robot, after base and reflectors
+    are fitted.
+    """
     outliers: Table[OutlierRow]
     """Rows whose measured position is more than six standard deviations from the prediction."""
 
@@ -223,7 +234,9 @@ class CalibrationDocument(Record):
     sessions: Table[CalibratedFile]
     """Files from which the parameters are identified."""
     tests: Table[TestedFile]
-    """Files that were not part of the fit. Base and reflector are fitted to each file."""
+    """Files with which the parameters are tested, but not identified. Base and reflectors are fitted to each
+    file.
+    """
     held_out: Optional[AccuracyEntry]
     """Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do not
     allow such a fit.
@@ -256,15 +269,15 @@ class CalibrationDocument(Record):
 
 class CellYieldEntry(Record):
     """Share of sampled arms that stay within the limits of the operations at their spots (Monte Carlo, nonlinear
-    model). An operation at every node is judged at its worst node. An operation without a limit counts as
-    within its limit. The intervals are Wilson score intervals for 95 %.
+    model). If an operation must keep its limit at every node, the operation is judged at its worst node. An
+    operation without a limit counts as within its limit. The intervals are Wilson score intervals for 95 %.
     """
 
     samples: int
     together: EstimateEntry
     """Share of arms that stay within the limits of all operations."""
     operations: Dict[str, EstimateEntry]
-    """Share of arms that stay within the limit of each operation alone; only operations with a limit are listed."""
+    """Share of arms that stay within the limit of one operation, for each operation with a limit."""
 
     _nested = {
         'together': ('record', 'EstimateEntry'),
@@ -279,8 +292,8 @@ class CheckDocument(Record):
     valid: bool
     faults: Table[Fault]
     self_collision: Table[OwnPairEntry]
-    """Pairs of the robot's solids, with a reason if the two solids may touch. Empty if self-collision is not
-    checked.
+    """Pairs of the robot's solids, with a reason if the two solids may touch. If self-collision is not checked,
+    the list holds only pairs with the pedestal.
     """
     operations: Table[OperationOrderEntry]
     """Entries that state how a search treats each operation. Empty if the cell is not valid."""
@@ -311,28 +324,30 @@ class CommandedJoint(Record):
 
 class ComparedFile(Record):
     """Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors are
-    fitted with the nominal arm. Vectors are in the base frame of the robot, mm.
+    fitted so that the nominal arm matches the measured positions best. Vectors are in the base frame of the
+    robot, mm.
     """
 
     file: str
     measured: AccuracyEntry
-    """Statistics of the measured errors of the nominal robot."""
+    """Statistics of the measured errors: the distances between measured and nominal positions."""
     predicted: AccuracyEntry
-    """Statistics of the predicted sizes of the errors of the nominal robot."""
+    """Statistics of the predicted sizes of these errors."""
     predicted_rms: bool
     """Whether the predicted sizes include the random part of the errors. Sizes that include this part are root
     mean squares.
     """
     residual: AccuracyEntry
-    """Statistics of the measured minus the predicted errors."""
+    """Statistics of the lengths of the differences between measured and predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors are assumed constant over the poses. The fit of base and reflectors absorbs a part of the
-    random errors.
+    random errors of a robot are assumed equal at all poses. The fit of base and reflectors absorbs a part of
+    the random errors.
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    misfit of a calibration is an example of such errors. Null unless the errors are measured.
+    misfit of a calibration is an example of such errors. Null unless the error set of the robot comes from
+    measurements.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
@@ -401,7 +416,7 @@ class ComparedPosition(Record):
     predicted_size_mm: float
     """Predicted size of the error."""
     residual_mm: float
-    """Size of the measured minus the predicted error."""
+    """Length of the difference between `measured_mm` and `predicted_mm`."""
     inside_95: Optional[bool]
     """Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random part."""
 
@@ -445,7 +460,7 @@ class CorrectionDocument(Record):
     """Name of the error set."""
     registration: Literal['none', 'best-fit', 'taught']
     joints: Table[CommandedJoint]
-    """Joints in the order of every list of joint coordinates."""
+    """Joints of the robot. Every list of joint coordinates has the order of this list."""
     targets: Table[CorrectionEntry]
 
     _nested = {
@@ -627,7 +642,7 @@ class ErrorsDocument(Record):
     error set of the robot.
     """
     source: str
-    """Origin of the numbers in words, as in the TOML table that `errors --toml` prints."""
+    """Description of the origin of the tolerances, as in the TOML table that `errors --toml` prints."""
     origin: Literal['robot', 'preset']
     origin_name: str
     """Name of the preset, or of the error set of the robot."""
@@ -638,16 +653,16 @@ class ErrorsDocument(Record):
     wanted_rp_mm: Optional[float]
     """Pose repeatability RP that the data sheet states; null if none is stated."""
     scale: float
-    """Factor by which the tolerances of the origin are multiplied."""
+    """Factor that multiplies the tolerances of the preset or of the robot's error set."""
     steps: int
-    """Number of predictions that the search for the factor needed."""
+    """Number of iterations in which the program finds `scale`. Each iteration predicts the accuracy once."""
     ap: AccuracyQuantiles
     """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
     """Predicted pose accuracy AP from the printed tolerances, which include the random errors."""
     joint_scatter: Optional[_Numbers]
-    """Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
-    joint. Null without a repeatability.
+    """Standard deviations of the joint coordinates: degrees, or mm for a prismatic joint. Together they cause
+    the repeatability `wanted_rp_mm`. Null if `wanted_rp_mm` is null.
     """
     cube: TestCubeEntry
     parameters: Table[SpreadEntry]
@@ -682,11 +697,13 @@ class ExpectedEntry(Record):
     after_mm: float
     """Error after the planned poses are measured."""
     evenly_spread_mm: float
-    """Error after the same number of poses that only fill the joint space evenly."""
+    """Error after the same number of other poses is measured. These poses are spread evenly over the joint
+    space.
+    """
     shared_misfit_mm: float
-    """Assumed standard deviation per axis of the unexplained error that nearby poses share."""
+    """Assumed unexplained error that is nearly equal at nearby poses, as a standard deviation per axis."""
     own_misfit_mm: float
-    """Assumed standard deviation per axis of the unexplained error of each pose."""
+    """Assumed unexplained error that is independent from pose to pose, as a standard deviation per axis."""
 
 
 class ExplanationDocument(Record):
@@ -723,9 +740,9 @@ class ExplanationDocument(Record):
     convention: str
     """Denavit-Hartenberg convention of the rows in the robot file."""
     dh: Table[DhEntry]
-    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. If the robot file has
-    modified rows, row k takes `l_mm` and `alpha_deg` from row k + 1 of the file. Frame 0 then contains both
-    values of row 1 of the file. In the last row of this table, both values are then 0.
+    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. For a file in modified
+    convention, row k has l and alpha of row k + 1 of the file. The pose of frame 0 includes l and alpha of
+    row 1 of the file. In the last row of this table, l and alpha are 0.
     """
     frames: Table[FrameEntry]
     """Frames of the links and of the TCP, in the base frame."""
@@ -739,25 +756,26 @@ class ExplanationDocument(Record):
     nonlinear: DisplacementEntry
     """Error of the TCP by the nonlinear model, in the world frame."""
     robot_alone_nonlinear: DisplacementEntry
-    """Nonlinear error of the robot alone, in the world frame. The effects of registration, of the pick of the
-    part and of equipment errors are not subtracted.
+    """Nonlinear error of the robot alone, in the world frame. This error ignores the registration, the error at
+    the pick of the part, and the errors of the equipment.
     """
     taken_off_nonlinear: DisplacementEntry
-    """Displacement that is subtracted from the nonlinear error of the robot alone, in the world frame. The
-    registration, the pick of the part and errors of the equipment cause this displacement.
+    """Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. Three effects add up to this
+    difference: the registration, the error at the pick of the part, and the errors of the equipment.
     """
     guard: PostureGuardEntry
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
-    """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if an error
-    dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are not
-    tolerances.
+    """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the errors
+    of the sample compensate each other. The program assumes this if the error of a Denavit-Hartenberg length
+    (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
-    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
-    no limit, or if the quantity is the yield.
+    """Limit minus the value of the operation; negative if the value exceeds the limit. If a certificate is
+    required, a known upper bound of this value over all misplacements replaces the value. Null if the
+    operation has no limit, or if the quantity is the yield.
     """
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
@@ -895,9 +913,9 @@ class HarmonicsEntry(Record):
 
     joint: str
     prior_deg: float
-    """Prior standard deviation of a coefficient of the highest order. The fit estimates this value together with
-    the coefficients. A coefficient up to order 4 has twice the standard deviation of a coefficient of higher
-    order.
+    """Prior standard deviation of the coefficients of the highest order. The fit estimates this value together
+    with the coefficients. All orders above 4 have equal prior standard deviations. The orders 1 to 4 have
+    twice this prior standard deviation.
     """
     rms_deg: float
     """Root mean square of the identified error over one revolution of the joint."""
@@ -996,18 +1014,20 @@ class JudgementEntry(Record):
     """Judgement of the tolerances by the error model of the cell."""
 
     missed_percent: float
-    """Largest excess of a figure over its limit for the tolerances of the first round, percent. A round solves
-    the problem with linear figures, then judges the tolerances. Negative if all figures of the first round
-    are below their limits.
+    """Largest excess of a figure over its limit after the first round, percent; negative if all figures are
+    below their limits. A round finds tolerances with figures by the linear error model. The error model of
+    the cell then judges these tolerances.
     """
     rounds: int
-    """Index of the round that gave the solution; the first round has the index 0. Each round adapts the linear
-    figures to the judged figures.
+    """Index of the round that gave the solution; the first round has the index 0. Each round scales the figures
+    by the linear error model to the judged figures of the round before.
     """
     sampled_rounds: int
     """Number of further allocations that were necessary because Monte Carlo samples exceeded a limit."""
     excess_percent: float
-    """Largest excess over a limit for the final tolerances, percent; negative if all limits are met."""
+    """Largest excess of a figure over its limit at the final tolerances, percent; negative if all figures are
+    below their limits.
+    """
     programs: int
     """Number of cone programs, which are convex optimization problems, solved in the round that gave the
     solution.
@@ -1044,7 +1064,7 @@ class ManifestDocument(Record):
     command: Optional[List[str]]
     """Command line that makes the folder, in a form for human readers. Programs read `settings` instead."""
     plan: Optional[str]
-    """Name of the plan file, in the manifest of a sweep. Such a manifest has no `command`."""
+    """Name of the plan file of a sweep; absent in other manifests. A manifest with a plan has no `command`."""
     cell: Optional[str]
     seed: Optional[int]
     settings: Optional[Table[Setting]]
@@ -1058,7 +1078,7 @@ class ManifestDocument(Record):
     outputs: Table[HashedFile]
     """Files that were written."""
     sha256: Optional[str]
-    """SHA-256, in hexadecimal, of all text of the manifest that precedes this key. The program adds this key to
+    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
     the text when it writes the manifest.
     """
 
@@ -1090,16 +1110,18 @@ class MapDocument(Record):
     notes: List[str]
     """Caveats on the interpretation of the errors."""
     overlaps: List[str]
-    """Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance."""
+    """Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance that the cell
+    requires.
+    """
     cell_yield: Optional[CellYieldEntry]
-    """Share of arms that stay within the limits of all operations, and of each operation alone. Left out unless
-    the reading is statistical, every operation has a spot, and an operation has a limit.
+    """Share of arms that stay within the limits of all operations, and of each operation alone. Present if the
+    reading is statistical, every operation has a spot, and at least one operation has a limit.
     """
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
     certified: Any
     """Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
-    reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
+    reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is true.
     """
     reasons: List[str]
     """Reasons why the layout is not feasible."""
@@ -1110,7 +1132,7 @@ class MapDocument(Record):
     cycle_time: Optional[CycleTimeEntry]
     """Cycle time of the layout; left out if the layout is not feasible."""
     layout: Dict[str, PlacementEntry]
-    """Placement of every piece of equipment, without obstacles."""
+    """Placements by the name of the equipment. Obstacles are left out, because a layout does not place them."""
     operations: Table[OperationMapEntry]
     measured: Optional[Table[ComparedFile]]
     """Comparison of measured positions with the predicted errors, one entry for each file. Left out without
@@ -1174,8 +1196,8 @@ class MapNode(Record):
     p95_deg: Optional[Dict[str, float]]
     p99_deg: Optional[Dict[str, float]]
     yield_: Optional[float]
-    """Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit of the
-    operation.
+    """Yield: share of arms whose error does not exceed the limit of the operation. The parameter errors of the
+    arms are random and follow the tolerances.
     """
 
     _nested = {
@@ -1272,8 +1294,8 @@ class ModelGuardEntry(Record):
 
 
 class MonteCarloEntry(Record):
-    """Monte Carlo check of the first-order figures at a spot, by the nonlinear model. RMS, mean and percentiles
-    are in the unit of the sense.
+    """Check of the first-order figures at a spot with Monte Carlo samples of the nonlinear model. RMS, mean and
+    percentiles are in the unit of the sense.
     """
 
     samples: int
@@ -1287,8 +1309,8 @@ class MonteCarloEntry(Record):
     share_above_first_order_p95: EstimateEntry
     first_order_holds: Optional[bool]
     """Whether the samples confirm the first-order figures. If they do not, the figures of the samples replace
-    the first-order figures of the spot. The value and margin of the operation are then also computed from the
-    samples. A robust value, or a value that combines several nodes, stays first-order.
+    the first-order figures, also in the value and margin of the operation. The value remains first-order if
+    the search is robust, or if the value combines several nodes.
     """
 
     _nested = {
@@ -1344,31 +1366,28 @@ class OperationBudget(Record):
     joints_deg: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
-    """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if an
-    error dr or dl of the sample exceeds the reach of the arm. Such errors compensate each other and are not
-    tolerances.
+    """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if the
+    errors of the sample compensate each other. The program assumes this if the error of a Denavit-Hartenberg
+    length (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
-    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
-    no limit, or if the quantity is the yield.
+    """Limit minus the error under the reading; negative if the error exceeds the limit. If a certificate is
+    required, a known upper bound of this error over all misplacements replaces the error. Null if the
+    operation has no limit, or if the quantity is the yield.
     """
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
     parameters: Table[ShareEntry]
     """Shares of the parameters, the largest first."""
     tighten: Table[TightenEntry]
-    """Gains from halving the tolerances of the parameters with the largest shares. Empty in the signed reading
-    if an error dr or dl of the sample exceeds the reach of the arm.
+    """Gains from halving the tolerances of the parameters with the largest shares. The list is empty if
+    `worst_linear_exact` is null.
     """
     linear_worst: Optional[float]
-    """Worst case of the linear model, in the unit of the sense. Null in the signed reading if an error dr or dl
-    of the sample exceeds the reach of the arm.
-    """
+    """Worst case of the linear model, in the unit of the sense; null if `worst_linear_exact` is null."""
     linear_rms: Optional[float]
-    """Standard deviation of the linear model, in the unit of the sense. Null in the signed reading if an error
-    dr or dl of the sample exceeds the reach of the arm.
-    """
+    """Standard deviation of the linear model, in the unit of the sense; null if `worst_linear_exact` is null."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -1418,8 +1437,9 @@ class OperationMapEntry(Record):
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the spot; null unless the reading is statistical."""
     best: Optional[MapNode]
-    """Spot: the usable node with the least value; null if no node is usable. For an operation at every node, the
-    spot is the node with the greatest value. For such an operation, the spot is null if any node is unusable.
+    """Spot: the usable node with the least value; null if no node is usable. For an operation that happens at
+    every node, the spot is the node with the greatest value. For such an operation, the spot is null if any
+    node is unusable.
     """
     refined: Optional[RefinedEntry]
     """Spot refined between the nodes of the grid."""
@@ -1445,7 +1465,7 @@ class OperationOrderEntry(Record):
     node, posture or group is skipped if its lower bound exceeds the best value found.
     """
     why: Optional[str]
-    """Reason why every posture is judged; null if lower bounds leave some postures out."""
+    """Reason why the search judges every posture; null if the search skips some postures."""
 
 
 class OperationReadings(Record):
@@ -1482,8 +1502,8 @@ class OwnPairEntry(Record):
 
 
 class ParameterEntry(Record):
-    """Effect of one parameter. Motions, lever and effect are in the base frame. The linear term is in the world
-    frame.
+    """Effect of one parameter. Motions, lever and effect are in the base frame. The terms `linear_term_mm` and
+    `linear_term_deg` of the linear model are in the world frame.
     """
 
     parameter: str
@@ -1496,7 +1516,10 @@ class ParameterEntry(Record):
     motions: Table[MotionEntry]
     effect_base_mm_per_unit: _Numbers
     taken_off_base_mm_per_unit: _Numbers
-    """Part of the effect that is subtracted because of registration and the pick of the part, in the base frame."""
+    """Displacement that is subtracted from `effect_base_mm_per_unit`, in the base frame. The registration
+    removes a part of the effect. If the operation places a picked part, the effect at the pick is subtracted,
+    too.
+    """
     linear_term_mm: _Numbers
     linear_term_deg: _Numbers
 
@@ -1589,7 +1612,9 @@ class ProofEntry(Record):
     """Lower bounds that hold for every layout of a cell."""
 
     covers: Literal['everything', 'part', 'nothing', 'infeasible']
-    """Whether the bound covers all operations, some operations or none, or proves that no layout is feasible."""
+    """Operations that the bound covers: all, some or none. The value `infeasible` means that no layout is
+    feasible.
+    """
     operations: Table[ProvenOperation]
 
     _nested = {
@@ -1624,13 +1649,13 @@ class ReadingEntry(Record):
     position_mm: Optional[_Numbers]
     value: Optional[float]
     at_signed_choice: Optional[float]
-    """Value under `reading` and `registration` at the posture that the signed reading chooses with
-    `registration`.
+    """Value under `reading` and `registration`, at the posture that the signed reading chooses with the same
+    registration.
     """
     at_unregistered_choice: Optional[float]
-    """Value under `reading` and `registration` at the posture that `reading` chooses without registration."""
+    """Value under `reading` and `registration`, at the posture that `reading` chooses without registration."""
     ratio: Optional[float]
-    """Regret of choosing the spot by the signed sample: `at_signed_choice` divided by `value`."""
+    """Regret of the choice of the spot by the signed reading: `at_signed_choice` divided by `value`."""
     moved_mm: Optional[float]
     """Distance between the best node under `reading` and the best node under the signed reading."""
     reason: Optional[str]
@@ -1654,8 +1679,9 @@ class ReadingsDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     operations: Table[OperationReadings]
     largest_regret: Optional[RegretEntry]
-    """Largest regret: value at the spot that the signed sample chooses, divided by the least value. Null if no
-    regret is known, for example if the signed sample chooses no spot.
+    """Largest regret over all operations, readings and registrations. A regret is `at_signed_choice` divided by
+    `value` of one entry in `readings`. Null if no regret is known, for example if the signed reading has no
+    spot.
     """
     findings: List[str]
     """Findings in sentences."""
@@ -1722,7 +1748,7 @@ class RegionEntry(Record):
     piece.
     """
     ends_with: str
-    """Reason that limits `room_mm`, or `room_deg` if the search does not displace the piece in plan."""
+    """Reason why `room_mm` is not larger. If `room_mm` is null, the reason applies to `room_deg`."""
 
     _nested = {
         'z_mm': ('numbers', ''),
@@ -1731,8 +1757,8 @@ class RegionEntry(Record):
 
 
 class RegretEntry(Record):
-    """Largest regret of choosing a spot by the signed sample, and the operation, reading and registration where
-    it occurs.
+    """Largest regret of the choice of a spot by the signed reading, with its operation, reading and
+    registration.
     """
 
     operation: str
@@ -1758,11 +1784,11 @@ class RemediesDocument(Record):
     unit: Literal['share', 'cost', 'mm', 'deg']
     """Unit of the values."""
     seed: int
-    """Seed of both searches."""
+    """Seed of the two searches, one without calibration and one after calibration."""
     evaluations: int
-    """Number of layouts that both searches evaluated."""
+    """Total number of layouts that the two searches evaluated."""
     remedies: Table[RemedyEntry]
-    """One entry for each remedy: none, calibrate, move, both."""
+    """One entry for each remedy: as-drawn, calibrated, moved, both."""
     advised: List[Literal['as-drawn', 'calibrated', 'moved', 'both']]
     """Advised remedies, each of which is sufficient without the others. Empty if no remedy gives a feasible
     layout within every limit.
@@ -1820,7 +1846,7 @@ class RepeatedPostureEntry(Record):
 
 
 class RepeatsEntry(Record):
-    """Pose accuracy AP and pose repeatability RP of positions as in ISO 9283."""
+    """Pose accuracy AP and pose repeatability RP of positions, as ISO 9283 defines them."""
 
     largest_ap_mm: float
     """Largest pose accuracy of a posture."""
@@ -1841,8 +1867,9 @@ class RequirementEntry(Record):
     """Limit of an operation and the margin to it, in the unit of the objective."""
 
     limit: float
-    """Largest allowed value of the operation. If the objective is a tolerance cost, this is the cost of the
-    tightest tolerances.
+    """Largest allowed value of the operation. If the objective is a tolerance cost, this limit is the cost of
+    the tightest tolerances. A greater value means that the error exceeds its own limit even with the tightest
+    tolerances.
     """
     margin: float
     """Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
@@ -1889,7 +1916,7 @@ class ResolvedSettings(Record):
     robust: bool
     """Whether the worst case over the placement tolerances is minimized."""
     gap: Optional[float]
-    """Relative gap between the best layout and the proven lower bound at which a search ends."""
+    """Relative gap to the proven lower bound. The search ends when the best layout reaches this gap."""
     stagnation: Optional[int]
     """Number of evaluations without a better layout after which a search ends."""
     pareto: List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'time', 'cost']]
@@ -2002,16 +2029,19 @@ class RobustnessEntry(Record):
     Empty if none of these placements has a tolerance.
     """
     corners: int
-    """Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`."""
+    """Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of all
+    bodies, also of bodies that `tolerance` leaves out.
+    """
     worst: Optional[CornerEntry]
-    """Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
-    operation cannot be done at any corner.
+    """Evaluated corner of the tolerance boxes with the greatest value of the operation. Null if `tolerance` is
+    empty, or if the operation cannot be done at any corner.
     """
     lost: Table[LostEntry]
-    """Evaluated corners at which the operation cannot be done."""
+    """Evaluated corners of the tolerance boxes at which the operation cannot be done."""
     gradient: Table[SlopeEntry]
-    """Change of the value of the operation per mm or degree of each coordinate. The coordinates of the equipment
-    come first, then the other coordinates in `tolerance`.
+    """Change of the value of the operation per mm or degree of each coordinate. The four coordinates of the
+    equipment under the operation come first. The other coordinates with a placement tolerance (see
+    `tolerance`) follow.
     """
     largest_times_tolerance: Optional[LargestEntry]
     """Largest multiple of the tolerances at which the operation stays feasible and within its limit. Null if no
@@ -2044,8 +2074,8 @@ class RunnerUpEntry(Record):
 
     kind: Literal['layout', 'node']
     value: float
-    """Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
-    operation moves to the node and all other operations keep their spots.
+    """Objective of the runner-up, in the `unit` of the verdict. If the runner-up is a node, one operation moves
+    to this node, and all other operations keep their spots.
     """
     text: str
     note: str
@@ -2118,18 +2148,18 @@ class SearchResult(Record):
     """Values that the cell file leaves out and that were assumed."""
     certified: Any
     """Whether the best layout certainly works at every misplacement within its placement tolerances: true, or
-    the reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
+    the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is true.
     """
     least_value: Optional[float]
     """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
-    search chooses one with nearly the most room. Null if no layout is feasible and within every limit.
+    search chooses one whose room is nearly the largest. Null if no layout is feasible and within every limit.
     """
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
-    """Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. The objective
-    grows by at most `indifference_percent`. Null if the layout is not feasible or misses a limit. Also null
-    if x, y or yaw of the equipment under an operation has no range.
+    """Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
+    ranges. In its range, the objective grows by at most `indifference_percent`. Null if the layout is not
+    feasible or misses a limit. Also null if the equipment under an operation does not rotate.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2248,12 +2278,12 @@ class ShareEntry(Record):
     are 0.
     """
     share_of_worst: Optional[float]
-    """Share of the parameter in the linear worst case, from 0 to 1. Null in the signed reading if an error dr or
-    dl of the sample exceeds the reach of the arm.
+    """Share of the parameter in the linear worst case, from 0 to 1; null if `worst_linear_exact` of the
+    operation is null.
     """
     share_of_variance: Optional[float]
-    """Share of the parameter in the linear variance, from 0 to 1. Null in the signed reading if an error dr or
-    dl of the sample exceeds the reach of the arm.
+    """Share of the parameter in the linear variance, from 0 to 1; null if `worst_linear_exact` of the operation
+    is null.
     """
 
     _nested = {
@@ -2273,8 +2303,8 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Tightest permitted tolerances that contribute to the excess. The tolerance whose removal lowers the figure
-    most comes first.
+    """Tightest permitted tolerances that contribute to the excess. The list is sorted by `without`, the least
+    value first.
     """
 
     _nested = {
@@ -2287,8 +2317,8 @@ class SizeEntry(Record):
 
     volume_m3: float
     volume_error_m3: float
-    """Estimated error of the volume: the difference from the volume for twice the distance between the sample
-    points.
+    """Estimated error of the volume: the difference from a second volume. The second volume is computed with
+    twice the distance between the sample points.
     """
     rotationally_symmetric: bool
     radius_mm: Optional[_Numbers]
@@ -2406,7 +2436,7 @@ class SpreadEntry(Record):
     plus_minus: float
     """Half width of the tolerance, in `unit`."""
     unit: str
-    """Unit of the half width: mm or deg."""
+    """Unit of the half width, for example mm or deg."""
     distribution: str
     sigmas: Optional[float]
     """Half width as a number of standard deviations; null unless the distribution is normal."""
@@ -2485,8 +2515,9 @@ class SweepPlan(Record):
     """Whether a search runs for every combination. If false, the layout of the cell file is mapped."""
     sets: Table[Choices]
     island_flags: Optional[Table[Setting]]
-    """Flags of `search --islands`, which apply to every island. The seeds of the islands are in `sets`. Absent
-    in the plan of a sweep.
+    """Flags of the command `search --islands`. This command runs one search per seed and plans every search as a
+    combination of a sweep. The flags apply to all searches, and `sets` contains the seeds. Left out in the
+    plan of the command `sweep`.
     """
     seed: Optional[int]
     """Seed of every combination; null means the seed of the cell."""
@@ -2496,8 +2527,8 @@ class SweepPlan(Record):
     inputs: Table[HashedFile]
     """Hashes of the files that the combinations read; empty until the program has read these files."""
     sha256: Optional[str]
-    """SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
-    exists only in the written file.
+    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
+    the text when it writes the file.
     """
 
     _nested = {
@@ -2531,10 +2562,13 @@ class SweepRow(Record):
     reasons: List[str]
     """Reasons why the layout is not feasible."""
     files: Table[HashedFile]
-    """Hashes of the settings file and of the cell file with fixed layout; empty if the layout is not feasible."""
+    """Files of the combination with their hashes: the cell file with the layout fixed, and the file with the
+    settings. Empty if the layout is not feasible. For an island of a search, the only file is
+    NNNN.island.json.
+    """
     sha256: Optional[str]
-    """SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
-    exists only in the written file.
+    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
+    the text when it writes the file.
     """
 
     _nested = {
@@ -2621,7 +2655,7 @@ class TestCubeEntry(Record):
     bend_deg: float
     """Elevation of the tool axis."""
     spin_deg: Optional[float]
-    """Spin of the tool; null if the arm cannot keep one spin at all poses."""
+    """Spin of the tool, equal at all five poses; null if the spin is free."""
     poses: Table[TestPoseEntry]
     """The poses P1 to P5."""
 
@@ -2638,7 +2672,7 @@ class TestPoseEntry(Record):
     joints: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     ap_mm: float
-    """Median over the robots of the accuracy at this pose."""
+    """Median, over all robots, of the accuracy at this pose."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2647,15 +2681,19 @@ class TestPoseEntry(Record):
 
 
 class TestedFile(Record):
-    """File of measured positions that was not part of the fit."""
+    """File of measured positions with which the parameters are tested, but not identified."""
 
     file: str
     poses: int
     """Number of measured positions."""
     before: AccuracyEntry
-    """Position errors of the nominal robot; base and reflector are fitted."""
+    """Distances of the measured positions from the positions of the nominal robot, after base and reflectors are
+    fitted.
+    """
     after: AccuracyEntry
-    """Position errors of the calibrated robot; base and reflector are fitted."""
+    """Distances of the measured positions from the positions of the calibrated robot, after base and reflectors
+    are fitted.
+    """
     coverage_95: float
     """Share of the positions inside their predicted 95 % ellipsoids."""
     outliers: Table[OutlierRow]
@@ -2697,7 +2735,8 @@ class ToolSheet(Record):
 
 class TotalEntry(Record):
     """Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
-    the signed reading if an error dr or dl of the sample exceeds the reach of the arm.
+    the signed reading if the errors of the sample compensate each other. The program assumes this if the
+    error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     """
 
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -2709,7 +2748,9 @@ class TotalEntry(Record):
     p95: Optional[float]
     p99: Optional[float]
     yield_: Optional[float]
-    """Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit."""
+    """Yield: share of arms whose error does not exceed the limit. The parameter errors of the arms are random
+    and follow the tolerances.
+    """
 
 
 class TransferEntry(Record):
@@ -2732,20 +2773,25 @@ class TriedEntry(Record):
     candidates: int
     """Number of postures among which the plan chose."""
     colliding: int
-    """Number of postures at which the robot touches an object or is nearer to an object than the clearance."""
+    """Number of postures at which the robot touches an object or is nearer to an object than the clearance that
+    the cell requires.
+    """
     hidden: int
     """Number of collision-free postures at which the tracker does not see the reflector."""
 
 
 class TurnEntry(Record):
     """Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
-    rotates if its x, y and yaw have ranges. Carried equipment rotates only with its carrier.
+    rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only with its
+    carrier.
     """
 
     turn_deg: _Numbers
     """Least and greatest angle of the rotation."""
     ends_with: str
-    """Reason why the rotation cannot exceed the angle in `turn_deg` that is nearer to 0."""
+    """Reason why the rotation ends in the direction that allows less rotation. If both directions allow equal
+    rotations, the reason belongs to the negative direction.
+    """
 
     _nested = {
         'turn_deg': ('numbers', ''),
@@ -2823,9 +2869,9 @@ class VerdictDocument(Record):
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Rotation about the base axis: all equipment with ranges of x, y and yaw rotates together. Null if the
-    layout is not feasible or misses a limit. Also null if x, y or yaw of the equipment under an operation has
-    no range.
+    """Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
+    ranges. In its range, the layout stays within every limit. Null if the layout is not feasible or misses a
+    limit. Also null if the equipment under an operation does not rotate.
     """
     reasons: List[str]
     """Reasons why the answer is no."""
@@ -2855,7 +2901,7 @@ class VerdictPlacement(Record):
     room_deg: Optional[float]
     """Largest angle by which the piece may be rotated in both directions; null if the angle is not known."""
     ends_with: Optional[str]
-    """Reason that limits the room; null if the room is not known."""
+    """Reason why the room is not larger; null if the room is not known."""
 
     _nested = {
         'at': ('record', 'PlacementEntry'),
