@@ -50,7 +50,8 @@ pub struct Loaded {
 
 /// Reads a cell file and every file that it refers to.
 ///
-/// `path` is the bare name of the cell file, because `read` gets paths relative to the folder of this file.
+/// The argument `path` is the name of the cell file without its folder. The function passes `read` paths
+/// relative to the folder of the cell file.
 ///
 /// # Errors
 ///

@@ -38,8 +38,8 @@ pub struct AllocationDocument {
     /// round, all tolerances are reduced. `cost` includes this reduction, which makes the tolerances more
     /// expensive.
     pub cost: Option<f64>,
-    /// Proven lower bound of the cost; null if infeasible. The proof uses figures by the linear error model,
-    /// scaled to the figures by the error model of the cell.
+    /// Proven lower bound of the cost; null if infeasible. The proof uses figures of the linear error model.
+    /// A factor adapts each of these figures to the error model of the cell.
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
@@ -50,7 +50,7 @@ pub struct AllocationDocument {
     /// correlated.
     pub fixed: Vec<String>,
     pub requirements: Vec<AllocationRequirement>,
-    /// Limits that even the tightest tolerances exceed.
+    /// Limits that figures exceed even at the tightest tolerances.
     pub shortfalls: Vec<ShortfallEntry>,
     /// Judgement of the tolerances by the error model of the cell; null if infeasible.
     pub judgement: Option<JudgementEntry>,
@@ -66,7 +66,7 @@ pub enum AllocationStatus {
     /// The error model of the cell gives a figure above its limit. All tolerances were reduced after the last
     /// round, but the figure still exceeds the limit.
     Exceeded,
-    /// Even the tightest tolerances exceed a limit.
+    /// A figure exceeds its limit even at the tightest tolerances.
     Infeasible,
 }
 
@@ -140,7 +140,7 @@ pub struct AllocationRequirement {
     pub sampled: Option<f64>,
 }
 
-/// Limit that even the tightest tolerances exceed.
+/// Limit that a figure exceeds even at the tightest tolerances.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShortfallEntry {
@@ -152,8 +152,8 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Tightest permitted tolerances that contribute to the excess. The list is sorted by `without`, the
-    /// least value first.
+    /// Tightest permitted tolerances, one for each parameter whose error increases `least`. The list is
+    /// sorted by `without`, the least value first.
     pub in_the_way: Vec<BoundEntry>,
 }
 
@@ -174,11 +174,12 @@ pub struct BoundEntry {
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
     /// Largest excess of a figure over its limit after the first round, percent; negative if all figures are
-    /// below their limits. A round finds tolerances with figures by the linear error model. The error model
-    /// of the cell then judges these tolerances.
+    /// below their limits. A round uses the linear error model to find tolerances. The error model of the
+    /// cell then judges these tolerances.
     pub missed_percent: f64,
-    /// Index of the round that gave the solution; the first round has the index 0. Each round scales the
-    /// figures by the linear error model to the judged figures of the round before.
+    /// Index of the round that gave the solution; the first round has the index 0. Each round multiplies
+    /// figures of the linear error model by factors. At the tolerances before the round, the products equal
+    /// the figures of the error model of the cell.
     pub rounds: usize,
     /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,
@@ -191,8 +192,8 @@ pub struct JudgementEntry {
 }
 
 impl AllocationDocument {
-    /// Makes the document of an allocation. `found` contains the tolerances, or the limits that even the
-    /// tightest tolerances exceed.
+    /// Makes the document of an allocation. `found` contains the tolerances, or the limits that figures
+    /// exceed even at the tightest tolerances.
     pub fn new(
         problem: &CellAllocation<'_>,
         found: Result<&CheapestTolerances, &[ToleranceShortfall]>,

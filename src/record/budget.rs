@@ -63,10 +63,11 @@ pub struct OperationBudget {
     /// Gains from halving the tolerances of the parameters with the largest shares. The list is empty if
     /// `worst_linear_exact` is null.
     pub tighten: Vec<TightenEntry>,
-    /// Worst case of the linear model, in the unit of the sense; null if `worst_linear_exact` is null.
-    pub linear_worst: Option<f64>,
-    /// Standard deviation of the linear model, in the unit of the sense; null if `worst_linear_exact` is
+    /// Worst case of the error by the linear model, in the unit of the sense; null if `worst_linear_exact` is
     /// null.
+    pub linear_worst: Option<f64>,
+    /// Standard deviation of the error by the linear model, in the unit of the sense; null if
+    /// `worst_linear_exact` is null.
     pub linear_rms: Option<f64>,
 }
 

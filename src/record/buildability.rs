@@ -34,8 +34,8 @@ pub enum CertifiedEntry {
 }
 
 impl CertifiedEntry {
-    /// Returns the certificate of a layout. Returns None if the cell requests an ideal layout, or if no body
-    /// has a tolerance.
+    /// Returns the certificate of a layout. Returns None if the search ignores placement tolerances, or if no
+    /// body has a tolerance.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         if !a.workcell.certifies() {
             return None;

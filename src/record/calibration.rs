@@ -35,8 +35,8 @@ pub struct CalibrationDocument {
     /// Periodic errors of the joints; empty if none were requested.
     #[serde(default)]
     pub harmonics: Vec<HarmonicsEntry>,
-    /// Number of combinations of parameters that the data determine. The data reduce the standard deviation
-    /// of each such combination to less than half.
+    /// Number of combinations of parameters that the data determine. After the fit, the standard deviation of
+    /// such a combination is less than half its prior standard deviation.
     pub rank: usize,
     /// Combinations of parameters that the data do not determine.
     pub unidentified: Vec<String>,

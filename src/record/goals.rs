@@ -16,7 +16,7 @@ pub struct GoalsEntry {
     /// Objective, in the unit of the document.
     pub error: f64,
     pub clearance_mm: f64,
-    /// Least distance of a joint from its limits, in percent of half its range.
+    /// Least distance of a joint from its nearer limit, in percent of half the range of the joint.
     pub joint_limits_percent: f64,
     /// Least singular value of the Jacobian, with lengths divided by the arm's reach.
     pub singularity: f64,

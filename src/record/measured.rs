@@ -29,12 +29,12 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors of a robot are assumed equal at all poses. The fit of base and reflectors absorbs a
-    /// part of the random errors.
+    /// These ellipsoids assume that the random errors of a robot are equal at all poses. The fit of base and
+    /// reflectors absorbs a part of the random errors.
     pub coverage_95: Option<f64>,
-    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    /// misfit of a calibration is an example of such errors. Null unless the error set of the robot comes
-    /// from measurements.
+    /// Share of the positions inside a second set of 95 % ellipsoids. These ellipsoids assume that the random
+    /// errors change from pose to pose, as the misfit of a calibration does. Null unless the error set of the
+    /// robot comes from measurements.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
     /// measured sizes are equal.

@@ -125,7 +125,7 @@ pub struct LostEntry {
 pub struct SlopeEntry {
     /// Name of the equipment, or "robot base".
     pub of: String,
-    /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
+    /// Text that names the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
     /// Change of the value of the operation, in the unit of the objective, per mm or degree of the
     /// coordinate. Null if a small change of the coordinate puts the operation out of reach.
@@ -139,17 +139,20 @@ pub struct SlopeEntry {
 #[serde(deny_unknown_fields)]
 pub struct LargestEntry {
     pub most: f64,
-    /// Reason why a larger misplacement is not allowed; null if every checked misplacement is allowed.
+    /// Reason why a misplacement larger than `most` is not allowed; null if every checked misplacement is
+    /// allowed.
     pub ended: Option<EndedEntry>,
 }
 
-/// Reason why a larger misplacement is not allowed.
+/// Reason why a misplacement larger than `most` is not allowed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// Larger misplacement at which the operation cannot be done.
+    /// Misplacement at which the operation cannot be done. This misplacement is larger than `most`, unless
+    /// both are 0.
     Lost(LostEntry),
-    /// Larger misplacement at which the value of the operation exceeds the limit.
+    /// Misplacement at which the value of the operation exceeds the limit. This misplacement is larger than
+    /// `most`, unless both are 0.
     Limit(CornerEntry),
 }
 

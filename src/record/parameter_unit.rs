@@ -49,7 +49,7 @@ impl ParameterUnit {
         if turns { Self::Angle } else { Self::Length }
     }
 
-    /// Returns the name of the unit in files and reports.
+    /// Returns the name of this unit as files and reports state it, for example `deg/m`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Length => "mm",

@@ -62,7 +62,7 @@ pub struct ReadingEntry {
     pub at_signed_choice: Option<f64>,
     /// Value under `reading` and `registration`, at the posture that `reading` chooses without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// Regret of the choice of the spot by the signed reading: `at_signed_choice` divided by `value`.
+    /// Regret of the signed reading: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,
     /// Distance between the best node under `reading` and the best node under the signed reading.
     pub moved_mm: Option<f64>,
@@ -70,8 +70,8 @@ pub struct ReadingEntry {
     pub reason: Option<String>,
 }
 
-/// Largest regret of the choice of a spot by the signed reading, with its operation, reading and
-/// registration.
+/// Largest regret (`ratio`), and the operation, reading and registration to which it belongs. A regret
+/// compares the spot that the signed reading chooses with the best spot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {

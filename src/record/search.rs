@@ -87,9 +87,9 @@ pub struct SearchResult {
     /// One region for each piece that the search places. The piece may stand anywhere in its region.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
-    /// ranges. In its range, the objective grows by at most `indifference_percent`. Null if the layout is not
-    /// feasible or misses a limit. Also null if the equipment under an operation does not rotate.
+    /// Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y
+    /// and yaw have ranges. At these angles, the objective grows by at most `indifference_percent`. Null if
+    /// the layout is infeasible or misses a limit, or if equipment under an operation does not rotate.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.

@@ -47,9 +47,9 @@ pub struct VerdictDocument {
     #[serde(default)]
     pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
-    /// Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
-    /// ranges. In its range, the layout stays within every limit. Null if the layout is not feasible or
-    /// misses a limit. Also null if the equipment under an operation does not rotate.
+    /// Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y
+    /// and yaw have ranges. At these angles, the layout stays within every limit. Null if the layout is
+    /// infeasible or misses a limit, or if equipment under an operation does not rotate.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the answer is no.

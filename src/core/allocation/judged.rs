@@ -124,8 +124,8 @@ impl LinearModel<'_> {
 ///
 /// # Errors
 ///
-/// Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns
-/// [`AllocationFailure::NotSolved`] if the solver or the judge fails.
+/// Returns [`AllocationFailure::Infeasible`] if a figure exceeds its limit even at the tightest tolerances.
+/// Returns [`AllocationFailure::NotSolved`] if the solver or the judge fails.
 pub fn allocate_judged(
     costs: &[ToleranceCost],
     limits: &[f64],

@@ -129,10 +129,10 @@ impl NodeFigure<'_> {
     ///
     /// Returns None for a worst case.
     ///
-    /// Consider normal errors of equal mean square. A high percentile is least if all directions have equal
-    /// variance. A low percentile is least if the errors have one direction. A high percentile of a bounded
-    /// error may be below the same percentile of a normal error. The percentile of the bounded error is still
-    /// at least the root mean square. If an error is bounded, the result is therefore 1 for a high
+    /// Consider normal errors of equal mean square. A high percentile is least if the variance is equal in
+    /// all directions. A low percentile is least if all errors lie along one line. A high percentile of a
+    /// bounded error may be below the same percentile of a normal error. The percentile of the bounded error
+    /// is still at least the root mean square. If an error is bounded, the result is therefore 1 for a high
     /// percentile, and 0 for a low percentile.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {

@@ -85,8 +85,8 @@ impl TolerancePricing {
 
     /// Returns the cost of the cheapest tolerances with which no figure exceeds its limit of 1.
     ///
-    /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest
-    /// figure.
+    /// A figure may exceed its limit even at the tightest tolerances. The result is then the cost of these
+    /// tolerances multiplied by the largest figure.
     pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
         let mut largest = |end: fn(&ToleranceCost) -> f64| {
             let scales: Vec<f64> = self.costs.iter().map(end).collect();

@@ -7,7 +7,7 @@ use super::problem::ToleranceProblem;
 /// Relative excess up to which the tightest tolerances count as meeting a limit.
 const ROUNDING: f64 = 1e-12;
 
-/// Requirement that even the tightest tolerances do not keep.
+/// Requirement whose figure exceeds its limit even at the tightest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceShortfall {
     pub requirement: usize,
@@ -15,8 +15,8 @@ pub struct ToleranceShortfall {
     pub limit: f64,
     /// Least possible figure: the figure at the tightest tolerances.
     pub least: f64,
-    /// Lower bounds of scales that contribute to the excess of [`Self::least`] over [`Self::limit`]. The
-    /// bound with the greatest contribution comes first.
+    /// Lower bounds of scales, one for each parameter whose error increases [`Self::least`]. The bound with
+    /// the least value of [`BoundInTheWay::without`] comes first.
     pub bounds: Vec<BoundInTheWay>,
 }
 
@@ -29,7 +29,7 @@ pub struct BoundInTheWay {
     pub without: f64,
 }
 
-/// Returns the requirements that the tightest tolerances do not keep.
+/// Returns the requirements whose figures exceed their limits even at the tightest tolerances.
 pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Vec<ToleranceShortfall> {
     let mut tightest: Vec<f64> = problem.costs.iter().map(|cost| cost.range.0).collect();
     let mut found = Vec::new();

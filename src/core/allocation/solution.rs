@@ -35,7 +35,7 @@ impl ToleranceAllocation {
 /// Reason why there is no allocation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AllocationFailure {
-    /// Requirements that even the tightest tolerances do not keep.
+    /// Requirements whose figures exceed their limits even at the tightest tolerances.
     Infeasible(Vec<ToleranceShortfall>),
     /// The solver of the cone programs failed.
     NotSolved,
@@ -45,8 +45,8 @@ pub enum AllocationFailure {
 ///
 /// # Errors
 ///
-/// Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns
-/// [`AllocationFailure::NotSolved`] if the solver fails.
+/// Returns [`AllocationFailure::Infeasible`] if a figure exceeds its limit even at the tightest tolerances.
+/// Returns [`AllocationFailure::NotSolved`] if the solver fails.
 pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
     let mut scratch = FigureScratch::default();
     let ToleranceProblem { costs, requirements } = problem;

@@ -11,7 +11,7 @@ const BISECTIONS: usize = 60;
 /// that of the loosest grade within the common scale. If no grade is within the common scale, the scale is
 /// that of the tightest grade.
 ///
-/// Returns None if the tightest tolerances exceed a limit.
+/// Returns None if a figure exceeds its limit even at the tightest tolerances.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {
     let mut scratch = FigureScratch::default();
     let scales = |u: f64| -> Vec<f64> { problem.costs.iter().map(|cost| cost.ordered(u)).collect() };

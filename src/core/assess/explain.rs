@@ -205,7 +205,7 @@ fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRo
     evaluator.sense.rows().iter().map(row).collect()
 }
 
-/// Returns the vector from the TCP to the point whose error counts in the sense, base frame, m.
+/// Returns the vector (base frame, m) from the TCP to the point whose error counts in the sense.
 fn arm(context: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
     frames.tcp.rotation * context.evaluator.sense.point
 }

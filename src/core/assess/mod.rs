@@ -252,9 +252,9 @@ impl<'a> Assessment<'a> {
     /// of failures, which already counts the arms that exceed the limit.
     ///
     /// If the objective is the cost of tolerances, the limit in the result is the cost of the tightest
-    /// tolerances. The quantity, for example the yield, does not change this rule. The error may exceed its
-    /// limit even at the tightest tolerances. The cost of the operation is then the cost of the tightest
-    /// tolerances times the ratio of error to limit. The margin is therefore negative.
+    /// tolerances. This rule also applies if the quantity is the yield. The error may exceed its limit even
+    /// at the tightest tolerances. The cost of the operation is then the cost of the tightest tolerances
+    /// times the ratio of error to limit. The margin is therefore negative.
     ///
     /// If the cost of tolerances is only one of several goals, the result is None. The limits then apply to
     /// the errors at the chosen tolerances, not at the tolerances of the error set.

@@ -87,7 +87,7 @@ impl Deformed {
             let axis = frame.rotation.column(axis).into_owned();
             PointMotion { slope: axis.cross(&(x - frame.translation)), axis, place }
         };
-        // The numbers 0 and 1 belong to the motions of the base.
+        // The indices 0 and 1 belong to the motions of the base.
         let place = |row: usize, k: usize| 2 + PER_LINK * row + k;
         let drive = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => turn(&self.before[i], 2, place(i, 0)),
@@ -119,12 +119,12 @@ pub struct PointMotion {
     pub slope: Vector3<f64>,
     /// Rotation vector of the motion, rad per unit.
     pub axis: Vector3<f64>,
-    /// Number of the motion in the order of all motions from the base to the reflector.
+    /// Index of the motion along the arm. A motion nearer to the base has a smaller index.
     pub place: usize,
 }
 
 impl PointMotion {
-    /// Returns the zero motion with the number `place` in this order.
+    /// Returns the zero motion with the index `place` along the arm.
     pub fn none(place: usize) -> Self {
         Self { slope: Vector3::zeros(), axis: Vector3::zeros(), place }
     }

@@ -79,8 +79,8 @@ impl ResidualVariances {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the covariance (m^2) that weights the residual in the fit, with enlarged variances of the
-    /// joints.
+    /// Returns the covariance (m^2) that weights the residual in the fit. Unlike [`Self::covariance`], this
+    /// function enlarges the variances of the joints, because nearby postures have nearly the same misfit.
     pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let joints = self.joints.iter().map(|v| v * self.correlated).collect();
         Self { joints, ..self.clone() }.covariance(drives, stated)

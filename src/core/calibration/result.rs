@@ -38,9 +38,10 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
-    /// Number of identified directions: the data reduce the standard deviation in such a direction to less
-    /// than half. The space of these directions has one coordinate for each unknown that is not a harmonic.
-    /// Every coordinate is divided by the prior standard deviation of its unknown.
+    /// Number of identified directions. In an identified direction, the standard deviation after the fit is
+    /// less than half the prior standard deviation. The space of these directions has one coordinate for each
+    /// unknown that is not a harmonic. Every coordinate is divided by the prior standard deviation of its
+    /// unknown.
     pub rank: usize,
     /// Directions that the data do not identify, as unit vectors. Each vector has one component for each
     /// unknown that is not a harmonic. Every component is divided by the prior standard deviation of its
@@ -121,9 +122,9 @@ fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(q), high.max(q)))
 }
 
-/// Returns the directions in which the data do not reduce the standard deviation to less than half. These
-/// directions are eigenvectors of a scaled covariance. In this covariance, each parameter is divided by its
-/// prior standard deviation.
+/// Returns the directions in which the standard deviation after the fit is at least half the prior standard
+/// deviation. These directions are eigenvectors of a scaled covariance. In this covariance, each parameter is
+/// divided by its prior standard deviation.
 fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
     let count = parameters.len();
     let scaled = DMatrix::from_fn(count, count, |i, j| {

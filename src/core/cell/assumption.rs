@@ -44,11 +44,11 @@ pub struct StatedKeys {
 impl Cell {
     /// Returns this cell with assumed values for quantities that its file leaves out ([`StatedKeys`]).
     ///
-    /// Nothing is assumed if the search settings request an ideal layout. Otherwise, clearance and margins
-    /// are assumed if the cell has search settings or a placement that the search may change. Attitude
-    /// angles that the search may change have no influence on these assumptions. The clearance is assumed
-    /// only if collisions are checked. Tolerances are assumed for bodies whose placement the search may
-    /// change.
+    /// The function assumes nothing if the search ignores placement tolerances
+    /// ([`crate::cell::SearchSettings::ideal`]). Otherwise, clearance and margins are assumed if the cell has
+    /// search settings or a placement that the search may change. Attitude angles that the search may change
+    /// have no influence on these assumptions. The clearance is assumed only if collisions are checked.
+    /// Tolerances are assumed for bodies whose placement the search may change.
     pub fn assuming(mut self, stated: &StatedKeys) -> Self {
         let is_searched = |placement: &[Coordinate; 4]| placement.iter().any(Coordinate::is_free);
         let searches = is_searched(&self.base) || self.equipment.iter().any(|e| is_searched(&e.placement));

@@ -20,7 +20,7 @@ impl Model {
     /// All error models.
     pub const ALL: [Model; 3] = [Model::Nonlinear, Model::Linear, Model::SecondOrder];
 
-    /// Returns the name of the model in files.
+    /// Returns the name of this error model as files state it, for example `second-order`.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Nonlinear => "nonlinear",
@@ -46,7 +46,7 @@ impl Reading {
     /// All readings.
     pub const ALL: [Reading; 3] = [Reading::Signed, Reading::WorstCase, Reading::Statistical];
 
-    /// Returns the name of the reading in files.
+    /// Returns the name of this reading as files state it, for example `worst-case`.
     pub const fn name(self) -> &'static str {
         match self {
             Reading::Signed => "signed",
@@ -73,7 +73,7 @@ impl Quantity {
     pub const ALL: [Quantity; 5] =
         [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99, Quantity::Yield];
 
-    /// Returns the name of the quantity in files.
+    /// Returns the name of this quantity as files state it, for example `p95`.
     pub const fn name(self) -> &'static str {
         match self {
             Quantity::Rms => "rms",
@@ -103,7 +103,7 @@ impl Registration {
     /// All registrations.
     pub const ALL: [Registration; 3] = [Registration::None, Registration::BestFit, Registration::Taught];
 
-    /// Returns the name of the registration in files.
+    /// Returns the name of this registration as files state it, for example `best-fit`.
     pub const fn name(self) -> &'static str {
         match self {
             Registration::None => "none",
@@ -134,7 +134,7 @@ impl NodeAggregation {
     pub const ALL: [NodeAggregation; 4] =
         [NodeAggregation::Best, NodeAggregation::Max, NodeAggregation::Mean, NodeAggregation::P95];
 
-    /// Returns the name of the rule in files.
+    /// Returns the name of this rule as files state it, for example `max`.
     pub const fn name(self) -> &'static str {
         match self {
             NodeAggregation::Best => "best",
@@ -187,7 +187,7 @@ impl Objective {
         Objective::ToleranceCost,
     ];
 
-    /// Returns the name of the objective in files.
+    /// Returns the name of this objective as files state it, for example `lexicographic`.
     pub const fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
@@ -211,7 +211,7 @@ impl Solver {
     /// All global solvers.
     pub const ALL: [Solver; 3] = [Solver::CmaEs, Solver::ParticleSwarm, Solver::SimulatedAnnealing];
 
-    /// Returns the name of the solver in files.
+    /// Returns the name of this solver as files state it, for example `cma-es`.
     pub const fn name(self) -> &'static str {
         match self {
             Solver::CmaEs => "cma-es",
@@ -275,8 +275,8 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution with which a fitter can place equipment.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout ([`SearchSettings::ideal`]). A layout file states multiples of this
-    /// resolution without rounding.
+    /// Resolution of a layout that need only work at its nominal placements ([`SearchSettings::ideal`]). A
+    /// layout file states multiples of this resolution without rounding.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 

@@ -78,8 +78,8 @@ impl Parameter {
         terms.chain((0..axes).map(Self::Compliance)).chain((0..axes).map(Self::Periodic))
     }
 
-    /// Returns the name of the parameter in files, for example `dl2`, `base rx`, `joint3 rx` or `elastic 2
-    /// 3`.
+    /// Returns the name of this parameter as files state it. Examples are `dl2`, `base rx`, `joint3 rx` and
+    /// `elastic 2 3`.
     ///
     /// For a parameter of equipment, the result is the name of the component alone.
     pub fn name(self) -> String {
@@ -237,7 +237,7 @@ impl Distribution {
     pub const ALL: [Distribution; 3] =
         [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
 
-    /// Returns the name of the distribution in files.
+    /// Returns the name of this distribution as files state it, for example `normal`.
     pub const fn name(self) -> &'static str {
         match self {
             Distribution::Normal => "normal",

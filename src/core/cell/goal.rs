@@ -10,22 +10,23 @@ pub const MAX_KEPT: usize = 100;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// Objective (combined error of the operations), minimized: m, rad or a share.
+    /// Error, minimized: objective that combines the values of the operations, in m, rad, a share or a cost.
     Error,
     /// Clearance, m, maximized: least distance between the robot and other objects at the operations, or
     /// between floor spaces.
     Clearance,
-    /// Least distance of a joint from its nearer limit, as a share of half the joint's range, maximized.
+    /// Joint limits, maximized: least distance of a joint from its nearer limit. The distance is a share of
+    /// half the range of the joint.
     JointLimits,
-    /// Least singular value of the Jacobian, with lengths divided by the arm reach, maximized.
+    /// Singularity, maximized: least singular value of the Jacobian, with lengths divided by the arm reach.
     Singularity,
-    /// Joint travel from operation to operation, rad, minimized.
+    /// Travel, rad, minimized: joint travel from operation to operation.
     Travel,
-    /// Area of the convex hull of all floor spaces (robot base and equipment), m^2, minimized.
+    /// Footprint, m^2, minimized: area of the convex hull of all floor spaces (robot base and equipment).
     Footprint,
     /// Cycle time, s, minimized: least time of the operations and of the motions between them.
     Time,
-    /// Cost of the cheapest tolerances with which every operation stays within its limit, minimized.
+    /// Cost, minimized: cost of the cheapest tolerances with which every operation stays within its limit.
     Cost,
 }
 
@@ -42,7 +43,7 @@ impl Goal {
         Goal::Cost,
     ];
 
-    /// Returns the name of the goal in files.
+    /// Returns the name of this goal as files state it, for example `joint-limits`.
     pub fn name(self) -> &'static str {
         match self {
             Goal::Error => "error",

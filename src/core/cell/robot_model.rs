@@ -42,7 +42,7 @@ impl Convention {
     /// Both conventions.
     pub const ALL: [Self; 2] = [Self::Standard, Self::Modified];
 
-    /// Returns the name of the convention in files.
+    /// Returns the name of this convention as files state it, for example `modified`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",

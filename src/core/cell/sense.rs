@@ -24,7 +24,7 @@ impl Frame {
     /// All frames.
     pub const ALL: [Frame; 3] = [Frame::World, Frame::Surface, Frame::Tool];
 
-    /// Returns the name of the frame in files.
+    /// Returns the name of this frame as files state it, for example `world`.
     pub const fn name(self) -> &'static str {
         match self {
             Frame::World => "world",
@@ -71,7 +71,7 @@ impl Unit {
         matches!(self, Unit::Length | Unit::Angle)
     }
 
-    /// Returns the name of the unit in files and reports.
+    /// Returns the name of this unit as files and reports state it, for example `mm`.
     pub fn word(self) -> &'static str {
         match self {
             Unit::Length => "mm",

@@ -1,4 +1,4 @@
-//! Time of a straight line of the TCP, and time of a transfer path.
+//! Time in which the TCP moves along a straight line, and time of a transfer path.
 
 use super::path_timing::path_time;
 use super::rate_bounds::RateBounds;
@@ -9,8 +9,8 @@ use crate::robot::Chain;
 /// Largest distance along the line, m, at which two TCP positions count as the same point.
 const NO_LENGTH: f64 = 1e-9;
 
-/// Returns the least time, s, from rest to rest, of a straight line of the TCP through the joint vectors
-/// `knots`.
+/// Returns the least time, s, in which the TCP moves along a straight line from rest to rest. The joint
+/// vectors `knots` are postures along this line.
 ///
 /// The arm does not stop at the joint vectors between the ends. `speed` is the maximum speed of the TCP, m/s,
 /// which may be infinite.
@@ -42,8 +42,8 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
 ///
 /// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path.
 /// A leg consists of the joint vectors from one stop to the next, with the joint vectors of both stops. A leg
-/// of two joint vectors is a straight move in joint coordinates. A leg of more joint vectors is a straight
-/// line of the TCP.
+/// of two joint vectors is a straight move in joint coordinates. In a leg of more joint vectors, the TCP
+/// moves along a straight line.
 pub fn path_of_legs_time(chain: &Chain, path: &[JointVector], corners: &[usize], bounds: &RateBounds) -> f64 {
     let leg = |ends: &[usize]| match path.get(ends[0]..=ends[1]) {
         Some([from, to]) => limited_move_time(from, to, bounds, f64::INFINITY),

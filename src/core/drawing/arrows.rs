@@ -42,7 +42,7 @@ impl Component {
     /// All components.
     pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Z, Self::Resultant];
 
-    /// Returns the name of the component in documents.
+    /// Returns the name of this component as documents state it, for example `resultant`.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",

@@ -70,11 +70,11 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Level of detail with errors under every permitted model and reading, envelopes, and about 4000 nodes
-    /// per error map.
+    /// Level of detail with envelopes and about 4000 nodes per error map. Errors are computed under every
+    /// permitted model and reading.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
-    /// Level of detail with errors only under the model and reading of the cell, but with envelopes and all
-    /// nodes.
+    /// Level of detail with envelopes and all nodes. Errors are computed only under the model and reading of
+    /// the cell.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };
 }
 

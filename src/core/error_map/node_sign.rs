@@ -51,7 +51,7 @@ impl NodeSign {
         Self::Unjudged,
     ];
 
-    /// Returns the name of the class in documents (JSON, CSV, Parquet).
+    /// Returns the name of this class as documents (JSON, CSV, Parquet) state it, for example `joint-limit`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Usable => "ok",

@@ -45,7 +45,8 @@ impl<'a> PlacedLayout<'a> {
         Self { mapper, layout, solids, demand: None, kept: &[] }
     }
 
-    /// Returns this layout with the demand that only certified postures are used.
+    /// Returns this layout, in which every posture must meet `demand` at all misplacements. If `demand` is
+    /// None, misplacements are not considered.
     #[must_use]
     pub fn demanding(self, demand: Option<Demand<'a>>) -> Self {
         Self { demand, ..self }

@@ -16,12 +16,13 @@ pub enum PostureOrder {
     /// Postures in ascending order of a lower bound of their value. The search ends when this bound exceeds
     /// the best value found.
     BoundedPostures,
-    /// Every posture, because no bound is known. The text is the reason.
+    /// Every posture, because the search uses no lower bound. The text states why the search cannot use spin
+    /// families.
     EveryPosture(&'static str),
 }
 
 impl PostureOrder {
-    /// Returns the name of the order in documents.
+    /// Returns the name of this order as documents state it, for example `ranked-nodes`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::RankedNodes => "ranked-nodes",

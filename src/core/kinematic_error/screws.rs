@@ -45,7 +45,7 @@ pub struct PosedScrews {
 impl Screws {
     /// Returns the nominal chain. `frames` gives the reference posture.
     ///
-    /// `point` is the point whose error counts in the sense, in the TCP frame, m.
+    /// The argument `point` is the measured point ([`Self::point`]), given in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
         let (mut axes, mut points) = ([Vector3::z(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         for i in 0..chain.axes() {

@@ -72,7 +72,7 @@ pub struct Lost {
     pub status: Status,
 }
 
-/// Reason why a misplacement cannot be larger.
+/// Reason why a misplacement larger than [`Largest::most`] is not allowed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MisplacementEnd {
     Lost(Lost),
@@ -85,7 +85,8 @@ pub enum MisplacementEnd {
 pub struct Largest {
     /// Size of the misplacement: a multiple of the tolerance box, a distance in m, or an angle in rad.
     pub most: f64,
-    /// Reason why the misplacement cannot be larger; None if every checked misplacement is allowed.
+    /// Reason why a misplacement larger than [`Self::most`] is not allowed; None if every checked
+    /// misplacement is allowed.
     pub ended: Option<MisplacementEnd>,
 }
 

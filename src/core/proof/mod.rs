@@ -173,7 +173,7 @@ pub enum Covers {
 }
 
 impl Covers {
-    /// Returns the word for this variant in documents.
+    /// Returns the word for this variant as documents state it, for example `everything`.
     pub fn name(self) -> &'static str {
         match self {
             Covers::Everything => "everything",

@@ -19,7 +19,7 @@ impl ViewDirection {
     /// All directions of view.
     pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
 
-    /// Returns the name of the view on the command line.
+    /// Returns the name of this view as the command line states it, for example `iso`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Iso => "iso",

@@ -17,9 +17,12 @@ use crate::cell::JointKind;
 ///
 /// Here `zero_i` is `theta_i` with all actuators at coordinate 0. The coupling factor from joint j to joint i
 /// is `f_ij`. The sums run over the joints j that drive joint i. The cone limits the unit vector (cosine,
-/// sine) of `a_i`. A unit vector is treated as a complex number, so a division of vectors subtracts their
-/// angles. The vector of `a_i` is the vector of `theta_i`, divided by the power `f_ij` of the vector of every
-/// `a_j`.
+/// sine) of `a_i`. Let `u(a)` be the unit vector of an angle `a`, treated as a complex number. A division of
+/// such numbers subtracts their angles:
+///
+/// ```text
+/// u(a_i) = u(theta_i) / product_j u(a_j)^f_ij
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.

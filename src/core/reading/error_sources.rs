@@ -145,8 +145,9 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the frame errors of the equipment in a sample, each with the index of the equipment; None for
-    /// equipment without a frame error.
+    /// Returns two entries: one for the work equipment, then one for the equipment from which the part was
+    /// picked. Each entry holds the index of the equipment and its frame error. An entry is None if there is
+    /// no such equipment, or if its frame error is 0. The argument `values` holds one value per source.
     pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
         let error = |wanted: usize| {
             let mut all = [0.0; PER_FRAME];

@@ -12,9 +12,8 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns whether the errors of the posture have a worst case and statistics.
     ///
-    /// The errors of a signed sample may cancel only in one calibrated arm
-    /// ([`crate::cell::Cell::errors_compensate`]). In the signed reading, such a sample has no worst case and
-    /// no statistics.
+    /// In some signed samples, the errors compensate each other ([`crate::cell::Cell::errors_compensate`]).
+    /// In the signed reading, such a sample has no worst case and no statistics.
     pub fn has_tolerances(&self) -> bool {
         self.reading != Reading::Signed || !self.errors_compensate
     }

@@ -20,7 +20,8 @@ pub struct WorkFrame {
     pub taught: Option<Box<Taught>>,
 }
 
-/// Pick of the part that the operation places, and the effects of errors on the pick.
+/// Work frame and posture of the operation that picks the part, with the effects of the errors at this
+/// posture.
 #[derive(Debug, Clone)]
 pub struct PickReference {
     pub site: WorkFrame,
@@ -32,7 +33,7 @@ pub struct PickReference {
 #[derive(Debug, Clone)]
 pub struct WorkContext {
     pub site: WorkFrame,
-    /// Pick of the part; None if the operation places no picked part.
+    /// Data of the operation that picks the part; None if this operation places no picked part.
     pub reference: Option<Box<PickReference>>,
 }
 

@@ -42,7 +42,7 @@ pub enum MovableBody {
 }
 
 impl MovableBody {
-    /// Returns the name of the body in documents and pictures.
+    /// Returns the name of this body as documents and pictures state it, for example `robot base`.
     pub fn name(self, cell: &Cell) -> &str {
         match self {
             Self::Base => "robot base",
@@ -113,9 +113,9 @@ pub struct Regions {
     /// Regions of the pieces with a coordinate that the search varies over a range. A cell without search
     /// variables has a region for each piece with a placement tolerance.
     pub pieces: Vec<Region>,
-    /// Rotation, about the base axis as one body, of all pieces whose x, y and yaw have ranges. None if x, y
-    /// or yaw of the equipment under an operation has no range. If equipment stands on other equipment, the
-    /// lowest piece of the stack must have these ranges.
+    /// Angles by which the pieces may be rotated as one body about the base axis. A piece rotates if its x, y
+    /// and yaw have ranges. None if x, y or yaw of the equipment under an operation has no range. If
+    /// equipment stands on other equipment, the lowest piece of the stack must have these ranges.
     pub whole: Option<WholeTurn>,
 }
 

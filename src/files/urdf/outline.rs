@@ -28,8 +28,9 @@ pub struct UrdfOutline {
     pub links: Vec<String>,
     /// Moving joints that are not on the chain, such as the joints of a gripper.
     pub joints_off: Vec<String>,
-    /// Collision shapes of the links in `links`: the number of moving joints before the link, and the mesh
-    /// as the URDF names it.
+    /// Collision shapes of the links in `links`, one pair for each shape. The number states how many moving
+    /// joints are between base and link. The text is the mesh as the URDF names it; None for a shape without
+    /// a mesh.
     pub shapes: Vec<(usize, Option<String>)>,
 }
 

@@ -40,7 +40,8 @@ struct ComparePage<'a> {
     version: &'static str,
 }
 
-/// Returns the HTML of the comparison. `drawings` and `told` have one entry per column of the comparison.
+/// Returns the HTML of the comparison. Each column of the comparison has a drawing in `drawings`, and facts
+/// from its search in `told`.
 ///
 /// # Errors
 /// Fails if there is no layout or a part cannot be rendered.

@@ -52,7 +52,7 @@ pub struct PageTable {
     pub note: String,
     /// Whether each column contains numbers, which are aligned to the right.
     pub is_number: Vec<bool>,
-    /// Whether the table is folded until the reader opens it.
+    /// Whether the page hides the rows of the table until the reader opens it.
     pub is_folded: bool,
 }
 

@@ -16,7 +16,8 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the placements of compared layouts, with folded tables.
+/// Returns the section on the placements of compared layouts. The page hides the rows of the tables until the
+/// reader opens them.
 pub fn of_columns(columns: &[Assessment<'_>]) -> Section {
     let mut section = empty();
     section.tables = columns.iter().flat_map(|a| [frames(a).folded(), outlines(a).folded()]).collect();

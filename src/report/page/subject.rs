@@ -43,7 +43,8 @@ impl<'a> Subject<'a> {
     }
 
     /// Returns the tables of each layout, the recommended layout first. If a search found a best layout, the
-    /// tables of the layout of the cell file follow, folded.
+    /// tables of the layout of the cell file follow. The page hides the rows of these tables until the reader
+    /// opens them.
     pub fn tables(&self, of: impl Fn(&Assessment<'a>) -> Vec<PageTable>) -> Vec<PageTable> {
         let other = self.best.as_ref().map_or(Vec::new(), |_| of(&self.start));
         of(self.shown()).into_iter().chain(other.into_iter().map(PageTable::folded)).collect()

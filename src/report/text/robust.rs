@@ -74,8 +74,8 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// Returns the reason why a larger misplacement is not allowed; empty if the largest misplacement tried is
-/// allowed.
+/// Returns the reason why a misplacement larger than [`Largest::most`] is not allowed. The text is empty if
+/// the largest misplacement tried is allowed.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),

@@ -159,8 +159,9 @@ impl JointMap {
         (1..sets).map(set).collect()
     }
 
-    /// Returns the combination of this map and `other`. Column orders and signs of both maps apply. Offsets
-    /// of `other` that are not 0, and its couplings if it has any, replace those of this map.
+    /// Returns the combination of this map and `other`. Column orders and signs of both maps apply. If an
+    /// offset of `other` is not 0, it replaces the offset of this map. If `other` has couplings, they replace
+    /// all couplings of this map.
     pub fn with(&self, other: &Self) -> Self {
         let mut map = *self;
         for i in 0..MAX_JOINTS {
