@@ -10,6 +10,7 @@ use super::output::path_word;
 use super::output_folder::{OutputFolder, Sharing};
 use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
+use crate::cli::mutex::locked;
 use crate::files::{Source, shown};
 use crate::layout::Workcell;
 use crate::search;
@@ -63,7 +64,7 @@ impl CheckpointWriter {
 
     /// Writes the state if a checkpoint is due. Returns false if this write or an earlier one failed.
     pub fn keep(&self, state: &search::Checkpoint, moment: Moment) -> bool {
-        let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut last = locked(&self.last);
         if last.is_ok_and(|at| moment != Moment::Going || at.elapsed() >= self.period) {
             *last = self.write(state).map(|()| Instant::now());
         }
@@ -82,7 +83,7 @@ impl CheckpointWriter {
     /// Fails if a checkpoint could not be written, or if the resumed search did not repeat the steps of the
     /// stopped search. Prints the reason.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
-        let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let last = *locked(&self.last);
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));
         if let Err(exit) = last {
             if self.path.is_file() {

@@ -7,6 +7,7 @@
 use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading::{UNFINISHED, read_inside, replace};
 use super::{output, sweep};
+use crate::cli::mutex::locked;
 use crate::layout::Workcell;
 use crate::search::{Checkpoint, Moment, SearchSpace, Stopping};
 use serde::{Deserialize, Serialize};
@@ -94,7 +95,7 @@ impl<'f> CombinationCheckpoint<'f> {
     /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failed write is ignored
     /// here. If the cause persists, the writing of the results reports it later.
     pub fn keep(&self, state: &StoredSearch<&Checkpoint>, moment: Moment) {
-        let mut due = self.due.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut due = locked(&self.due);
         let now = Instant::now();
         let is_due = match moment {
             Moment::Begun => false,

@@ -2,6 +2,7 @@
 
 use super::packages::PackageFolders;
 use super::{Exit, output};
+use crate::cli::mutex::locked;
 use crate::files;
 use crate::files::{Fault, FaultKind, FileContent, Loaded, LoadedRobot, Setting, shown};
 use flate2::read::GzDecoder;
@@ -87,7 +88,7 @@ impl FileSnapshot {
     }
 
     fn get(&self, name: &str, read: impl FnOnce() -> Result<Vec<u8>, String>) -> Result<Vec<u8>, String> {
-        let mut files = self.files.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut files = locked(&self.files);
         if self.is_closed && !files.contains_key(name) {
             return Err("it is not among the inputs of the plan".into());
         }

@@ -15,7 +15,7 @@ pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
 
 /// Number of known names above which a message lists only the names that contain the unknown name. If no
 /// known name contains the unknown name, the message lists all known names.
-const MANY: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// Prints that the name `word` is unknown, and which names are known. Returns the exit code.
 pub fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Exit {
@@ -25,7 +25,7 @@ pub fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> 
     let part = word.to_ascii_lowercase();
     let alike: Vec<_> =
         all.iter().filter(|name| word.len() > 1 && name.to_ascii_lowercase().contains(&part)).collect();
-    let list = match all.len() > MANY && !alike.is_empty() {
+    let list = match all.len() > MAX_LISTED && !alike.is_empty() {
         true => format!(
             "names that contain it: {}",
             alike.into_iter().map(|n| shown(n)).collect::<Vec<_>>().join(", ")

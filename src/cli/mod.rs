@@ -19,6 +19,7 @@ mod json_text;
 mod library;
 mod loading;
 mod lookup;
+mod mutex;
 mod output;
 mod output_folder;
 mod packages;

@@ -1,6 +1,7 @@
 //! Output: data on stdout, messages on stderr.
 
 use super::Exit;
+use crate::cli::mutex::locked;
 use crate::files::{Fault, FaultKind, shown};
 use indexmap::IndexMap;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -37,13 +38,13 @@ static LAST_ERROR: Mutex<Option<String>> = Mutex::new(None);
 /// Prints an error on stderr.
 pub fn error(text: &str) {
     talk(&format!("error: {text}"));
-    *LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(text.into());
+    *locked(&LAST_ERROR) = Some(text.into());
 }
 
 /// Returns the text of the last printed error; None if there is none. A worker records this text as the
 /// reason for its failure.
 pub fn last_error() -> Option<String> {
-    LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
+    locked(&LAST_ERROR).clone()
 }
 
 /// Prints the faults of files and the number of errors.

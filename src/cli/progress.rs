@@ -2,6 +2,7 @@
 
 use super::output;
 use crate::cell::Unit;
+use crate::cli::mutex::locked;
 use crate::layout::Workcell;
 use crate::search::Progress;
 use indicatif::ProgressBar;
@@ -57,7 +58,7 @@ impl Reporter {
                 bar.set_message(self.in_words(progress));
             }
             ProgressForm::Lines => {
-                let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                let mut last = locked(&self.last);
                 last.1 = Some(progress);
                 if last.0.elapsed() >= PERIOD {
                     *last = (Instant::now(), None);

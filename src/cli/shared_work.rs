@@ -4,10 +4,11 @@ use super::loading::make_folder;
 use super::sweep::{StoredRow, row};
 use super::sweep_claims::{CLAIMS, ClaimState, HeldClaim, SweepClaim, newest};
 use super::{Exit, output};
+use crate::cli::mutex::locked;
 use crate::files::shown;
 use std::collections::VecDeque;
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Number of dead workers at which the other workers give up a combination. Only workers that died while they
@@ -129,10 +130,6 @@ impl<'f> SharedWork<'f> {
         let queue = locked(&self.queue);
         queue.free.len() + queue.others.len() + locked(&self.held).len()
     }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 /// Newest claim of another worker to a combination, as this worker last read it.

@@ -1,8 +1,8 @@
 //! Search in its own thread, started from the layout on the page.
 
-use super::locked;
 use crate::cell::{Cell, Layout};
 use crate::cli::cache;
+use crate::cli::mutex::locked;
 use crate::layout::{Workcell, evaluate};
 use crate::search;
 use crate::search::{Progress, SearchEnd, Watch};

@@ -26,6 +26,7 @@ pub use values::requested_layout;
 
 use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};
+use crate::cli::mutex::locked;
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::record::{RegionEntry, TurnEntry};
@@ -37,7 +38,7 @@ use question::{EvaluationSettings, Workcells};
 use requests::{QuestionBody, SearchBody, StandingBody};
 use serde_json::{Map, Value, json};
 use session::Session;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 use values::LayoutValues;
 
 /// Number of decimals to which the objective of the previous step is rounded for the page.
@@ -56,11 +57,6 @@ pub struct LiveView {
     session: Mutex<Session>,
     job: Mutex<Option<SearchThread>>,
     saving: Mutex<()>,
-}
-
-/// Locks a mutex even if another thread panicked while it held the lock.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 impl LiveView {

@@ -1,6 +1,7 @@
 //! Evaluation settings of the page (sense, model and reading), with one workcell for each combination.
 
 use crate::cell::{Cell, Interpretation, Model, Quantity, Reading};
+use crate::cli::mutex::locked;
 use crate::layout::Workcell;
 use std::sync::{Arc, Mutex};
 
@@ -56,7 +57,7 @@ impl Workcells {
     /// # Errors
     /// Fails with the reason if the cell cannot be evaluated with these settings.
     pub fn ask(&self, question: &EvaluationSettings) -> Result<Arc<Workcell>, String> {
-        let mut ready = super::locked(&self.ready);
+        let mut ready = locked(&self.ready);
         if let Some((_, workcell)) = ready.iter().find(|(known, _)| known == question) {
             return Ok(workcell.clone());
         }

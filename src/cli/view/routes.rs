@@ -3,9 +3,9 @@
 use super::LiveView;
 use super::access_control::secret;
 use super::http_response::HttpResponse;
-use super::locked;
 use super::requests::{EmptyBody, SaveBody, object, typed};
 use super::save::Unsaved;
+use crate::cli::mutex::locked;
 use crate::cli::output;
 use crate::files::shown;
 use crate::report;

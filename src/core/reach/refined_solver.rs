@@ -27,7 +27,7 @@ const TRIALS: usize = 48;
 const MAX_MISSED: usize = 2;
 
 /// Largest number of solutions of one pose.
-const MOST: usize = 16;
+const MAX_SOLUTIONS: usize = 16;
 
 /// Number of solutions after which no more neighbouring poses are solved.
 const ENOUGH: usize = 8;
@@ -64,7 +64,7 @@ pub struct RefinedSolver {
 
 /// Distinct solutions of one pose.
 struct Solutions {
-    postures: [Posture; MOST],
+    postures: [Posture; MAX_SOLUTIONS],
     count: usize,
     /// Bit k is set if a solution has the branch index k.
     numbers: u16,
@@ -139,7 +139,7 @@ impl RefinedSolver {
     /// solution.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let goal = self.simplified.flange(flange);
-        let mut solutions = Solutions { postures: [self.template; MOST], count: 0, numbers: 0 };
+        let mut solutions = Solutions { postures: [self.template; MAX_SOLUTIONS], count: 0, numbers: 0 };
         let mut start = self.template;
         let mut refine = |branch: u8, start: &Posture, solutions: &mut Solutions| {
             *posture = self.simplified.original(start);
@@ -238,7 +238,7 @@ impl Solutions {
     /// Returns None if the posture is already known, or if there are too many solutions.
     fn take(&mut self, branch: u8, posture: &Posture) -> Option<u8> {
         let known = &self.postures[..self.count];
-        if self.count == MOST || known.iter().any(|known| is_same(known, posture)) {
+        if self.count == MAX_SOLUTIONS || known.iter().any(|known| is_same(known, posture)) {
             return None;
         }
         let free = (self.numbers.trailing_ones() as u8).min(15);

@@ -98,23 +98,6 @@ impl NormDistribution {
         }
         self.unit * (spectrum.shift + above(spectrum, p.min(1.0 - 1e-9))).sqrt()
     }
-
-    /// Returns a lower bound of `quantile(p)` in almost no computing time; 0 unless all parameters are
-    /// normal.
-    ///
-    /// Let `c` be the component of `e` along the axis of largest variance, computed with mean 0. The bound is
-    /// the quantile of `|c|`. The absolute value of a component never exceeds the norm. A mean other than 0
-    /// only enlarges the quantile of this absolute value. Callers can use this bound to discard postures
-    /// before they compute the exact quantile.
-    pub fn quantile_lower_bound(&self, p: f64) -> f64 {
-        let Some(spectrum) = &self.spectrum else { return self.unit };
-        if spectrum.correction.is_some() || p <= 0.0 {
-            return 0.0;
-        }
-        let largest = spectrum.l.iter().fold(0.0, |a: f64, &b| a.max(b));
-        let z = normal_quantile(0.5 * (1.0 + p.min(1.0 - 1e-9)));
-        (1.0 - 1e-8) * z * largest.sqrt() * self.unit
-    }
 }
 
 /// Returns the quantile of `Q - shift` by Halley's method within a bracket.

@@ -19,14 +19,14 @@ key_table! {
     transfer, "transfer rules", "Check of the motions from operation to operation, and from point to point, for collision.", {
         CHECK = boolean("check", true, "Whether the motions from operation to operation, and from point to point, are checked for collision.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
-        VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, MANY), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
+        VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, UNBOUNDED), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
         CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked.");
     }
 }
 
 key_table! {
     fence, "a fence", "Fence around the equipment and the robot base.", {
-        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world frame), in their order along the fence; the last corner is joined to the first.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
+        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, UNBOUNDED), "corners"), "Corners (x and y in the world frame), in their order along the fence; the last corner is joined to the first.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of walls that the robot must not touch; if left out, the fence is a line on the floor.").example("2200");
     }
 }

@@ -25,7 +25,7 @@ key_table! {
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids. If left out, it is the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
-        SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
+        SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, UNBOUNDED), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::Needs("schema", "units")];
 }
@@ -53,7 +53,7 @@ key_table! {
 key_table! {
     plan, "a floor plan", "Closed outlines of a drawing as obstacles of equal height.", {
         FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, dxf), "DXF drawing (ASCII), with its path relative to the folder of this file.").required().example("\"hall.dxf\"").remedy("add file = \"NAME.dxf\"");
-        LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, MANY), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
+        LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles above the placement.").required().example("3000");
         UNITS = word::<DrawingUnit>("units", "Length of one unit of the drawing; needed if the header of the drawing does not state it.").example("\"mm\"");
         TOLERANCE = number("tolerance_mm", NumberRange::Positive, "Largest distance between an arc and the straight lines that replace it, on the outer side of the arc.").default(Literal::Number(1.0));

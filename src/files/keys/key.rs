@@ -14,7 +14,7 @@ pub const MAX_NAME: usize = 60;
 pub const MAX_VALUES: usize = 1000;
 
 /// Value that stands for "no upper limit" in the number of items of a list.
-pub const MANY: usize = usize::MAX;
+pub const UNBOUNDED: usize = usize::MAX;
 
 /// Kind of value that a key has.
 #[derive(Debug, Clone, Copy)]

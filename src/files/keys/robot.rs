@@ -50,10 +50,10 @@ const MAX_ACCELERATION_MM: Key = number(
 const LIMITS: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
 
 const SOLIDS_OF_LINKS: ValueKind =
-    ValueKind::List(&ValueKind::Table(&link_solid::TABLE), (0, MANY), "solids");
+    ValueKind::List(&ValueKind::Table(&link_solid::TABLE), (0, UNBOUNDED), "solids");
 
 /// Solids of a tool or a held part, which belong to no link.
-const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
+const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, UNBOUNDED), "solids");
 
 key_table! {
     joint, "a joint", "D-H row of one joint. A standard row of a revolute joint is A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha).", {
@@ -89,7 +89,7 @@ key_table! {
 }
 
 const PAIRS: ValueKind =
-    ValueKind::List(&ValueKind::List(&ValueKind::Text, (2, 2), "names"), (0, MANY), "pairs");
+    ValueKind::List(&ValueKind::List(&ValueKind::Text, (2, 2), "names"), (0, UNBOUNDED), "pairs");
 
 /// Largest mass of a link, a tool or a part, kg.
 const MAX_MASS: f64 = 10_000.0;
@@ -159,7 +159,7 @@ key_table! {
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
-        MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, MANY), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
+        MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, UNBOUNDED), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself, or a table with the pairs of solids that may touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }

@@ -45,7 +45,7 @@ key_table! {
     sense, "a sense", "Sense: the component of the error that counts.", {
         FRAME = word::<Frame>("frame", "Frame of the directions.").default(Literal::Word(Frame::World.name()));
         POINT = vector_or_zero("point_mm", "Point whose error is measured, relative to the TCP, in the tool frame.");
-        TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, MANY), "terms"), "Terms that together make one sense.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
+        TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, UNBOUNDED), "terms"), "Terms that together make one sense.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
     }
     extends super::any_term::TABLE;
     rules [

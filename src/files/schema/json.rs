@@ -10,7 +10,8 @@
 use super::FileKind;
 use super::merging::{WHOLE, add_rule, separated, unless};
 use crate::files::keys::key::{
-    Key, KeyTable, KeyUnit, LARGEST, MANY, MAX_NAME, MAX_VALUES, Need, NumberRange, Rule, SMALLEST, ValueKind,
+    Key, KeyTable, KeyUnit, LARGEST, MAX_NAME, MAX_VALUES, Need, NumberRange, Rule, SMALLEST, UNBOUNDED,
+    ValueKind,
 };
 use crate::files::keys::parts::range;
 use crate::files::toml::tree::{Value as Toml, parse};
@@ -160,7 +161,7 @@ fn of_kind(kind: &ValueKind) -> Value {
         }
         ValueKind::List(kind, (least, most), _) => {
             let list = json!({ "type": "array", "items": of_kind(kind), "minItems": least });
-            if *most == MANY { list } else { with(list, json!({ "maxItems": most })) }
+            if *most == UNBOUNDED { list } else { with(list, json!({ "maxItems": most })) }
         }
         ValueKind::Either(kinds) => {
             let mut ways = Vec::new();

@@ -1,7 +1,9 @@
 //! Human-readable reference of all keys, in Markdown: one document for each kind of file.
 
 use super::FileKind;
-use crate::files::keys::key::{Key, KeyTable, KeyUnit, MANY, Need, NumberRange, Rule, ValueKind, quoted};
+use crate::files::keys::key::{
+    Key, KeyTable, KeyUnit, Need, NumberRange, Rule, UNBOUNDED, ValueKind, quoted,
+};
 use std::fmt::Write;
 
 /// Returns the reference of all keys of a kind of file, in Markdown.
@@ -135,8 +137,8 @@ fn range_in_words(range: NumberRange) -> String {
 
 fn count_in_words(count: (usize, usize)) -> String {
     match count {
-        (0, MANY) => String::new(),
-        (least, MANY) => format!("{least} or more "),
+        (0, UNBOUNDED) => String::new(),
+        (least, UNBOUNDED) => format!("{least} or more "),
         (least, most) if least == most => format!("{least} "),
         (0, most) => format!("at most {most} "),
         (least, most) => format!("{least} to {most} "),

@@ -3,7 +3,7 @@
 use super::document::Library;
 use super::tree::{At, Node, Value};
 use crate::files::fault::{did_you_mean, shown};
-use crate::files::keys::key::{Key, MANY, MAX_NAME, NumberRange, ValueKind, Word, quoted, words_of};
+use crate::files::keys::key::{Key, MAX_NAME, NumberRange, UNBOUNDED, ValueKind, Word, quoted, words_of};
 
 /// Returns a number as text, with an exponent only if the number is very large or very small.
 pub fn plain(value: f64) -> String {
@@ -64,13 +64,13 @@ pub fn numbers(
 pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
     let (count, noun) = match key.kind.plain() {
         ValueKind::List(_, count, noun) => (*count, *noun),
-        _ => ((0, MANY), "items"),
+        _ => ((0, UNBOUNDED), "items"),
     };
     let items = node.value.items().filter(|items| (count.0..=count.1).contains(&items.len()));
     if items.is_none() {
         let many = match count {
-            (0, MANY) => String::new(),
-            (least, MANY) => format!("{least} or more "),
+            (0, UNBOUNDED) => String::new(),
+            (least, UNBOUNDED) => format!("{least} or more "),
             (least, most) if least == most => format!("{least} "),
             (0, most) => format!("at most {most} "),
             (least, most) => format!("{least} to {most} "),

@@ -17,6 +17,7 @@
 //!   last joint axis.
 
 use crate::cell::JointKind;
+use crate::low_discrepancy::richtmyer_steps;
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -185,8 +186,9 @@ impl ArmModel<'_> {
     fn gap(&self, derived: &Derived) -> f64 {
         let gaps = (0..POSTURES).map(|i| {
             let (mut urdf, mut rows) = (Pose::identity(), derived.mount);
-            for (k, (axis, row)) in self.axes.iter().zip(&derived.rows).enumerate() {
-                let q = coordinate(i, k) * if axis.kind == JointKind::Revolute { PI } else { 1.0 };
+            for ((axis, row), step) in self.axes.iter().zip(&derived.rows).zip(richtmyer_steps()) {
+                let share = 2.0 * ((i + 1) as f64 * step).fract() - 1.0;
+                let q = share * if axis.kind == JointKind::Revolute { PI } else { 1.0 };
                 urdf = urdf * axis.origin * moved(axis, q);
                 rows = rows
                     * match axis.kind {
@@ -201,15 +203,6 @@ impl ArmModel<'_> {
         // `f64::max` would ignore a NaN.
         gaps.fold(0.0, |most, gap| if gap > most || gap.is_nan() { gap } else { most })
     }
-}
-
-/// Returns the coordinate of joint k in sample posture i, as a share of the sampled range, from -1 to 1.
-///
-/// The value 1 stands for pi rad if the joint is revolute, and for 1 m if it is prismatic.
-/// Fractional parts of the multiples of the square root of a prime are evenly distributed (Weyl 1916).
-fn coordinate(i: usize, k: usize) -> f64 {
-    const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
-    2.0 * ((i + 1) as f64 * PRIMES[k % 8].sqrt()).fract() - 1.0
 }
 
 /// Returns the displacement of a joint at the coordinate `q`, in the frame of the joint.

@@ -14,7 +14,7 @@ const MAX_DOTS: usize = 2000;
 /// Number of ranges of a joint coordinate, each with a median.
 const BINS: usize = 24;
 /// Least number of positions from which a median is drawn.
-const LEAST: usize = 5;
+const MIN_POSITIONS: usize = 5;
 const LEFT: f64 = 56.0;
 const GAP: f64 = 70.0;
 const HEIGHT: f64 = 150.0;
@@ -105,7 +105,7 @@ fn dots(
 }
 
 /// Returns the middle of each range of the coordinate, and the median distance in this range. All ranges are
-/// equally wide. Ranges with fewer than `LEAST` positions are left out.
+/// equally wide. Ranges with fewer than `MIN_POSITIONS` positions are left out.
 fn medians(dots: &[JointDot], low: f64, high: f64) -> Vec<(f64, f64)> {
     let width = (high - low) / BINS as f64;
     let median = |bin: usize| {
@@ -113,7 +113,7 @@ fn medians(dots: &[JointDot], low: f64, high: f64) -> Vec<(f64, f64)> {
         let members = dots.iter().filter(|dot| (begin..=begin + width).contains(&dot.coordinate));
         let mut distances: Vec<f64> = members.map(|dot| dot.distance).collect();
         distances.sort_by(f64::total_cmp);
-        (distances.len() >= LEAST).then(|| (begin + width / 2.0, distances[distances.len() / 2]))
+        (distances.len() >= MIN_POSITIONS).then(|| (begin + width / 2.0, distances[distances.len() / 2]))
     };
     (0..BINS).filter_map(median).collect()
 }

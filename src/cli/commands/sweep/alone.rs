@@ -2,6 +2,7 @@
 
 use super::combination::{CheckedSweep, run_one};
 use super::threads::pools;
+use crate::cli::mutex::locked;
 use crate::cli::{Exit, output};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,7 +18,7 @@ pub fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(
             if let Err(exit) = pool.install(|| run_one(sweep, index)) {
                 // The other threads finish their current combination.
                 next.store(missing.len(), Ordering::Relaxed);
-                *failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(exit);
+                *locked(&failed) = Some(exit);
             }
             output::advance(&bar, 1, missing.len() as u64);
         }

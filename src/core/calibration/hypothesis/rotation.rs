@@ -24,7 +24,7 @@ const IMPLAUSIBLE: f64 = 0.05;
 const ROWS: usize = 80;
 
 /// Least number of orientations with which conventions are compared.
-const LEAST: usize = 4;
+const MIN_ORIENTATIONS: usize = 4;
 
 impl RotationReading {
     /// Returns the measured orientation in the frame of the instrument; None if its numbers are not a
@@ -49,7 +49,7 @@ pub fn explain_rotations(
     raw: &[RawMeasurement],
 ) -> Option<RotationReading> {
     let own: Vec<_> = raw.iter().filter_map(|m| Some((m, m.rotation?))).collect();
-    if own.len() < LEAST || reading.mirrored {
+    if own.len() < MIN_ORIENTATIONS || reading.mirrored {
         return None;
     }
     let some: Vec<_> = spread_out(own.len(), ROWS).into_iter().map(|k| own[k]).collect();

@@ -16,7 +16,7 @@ const EXACT: f64 = 1e-13;
 const PROGRESS: f64 = 0.01;
 
 /// Largest error of a pose, rad and in units of the arm's length, at which Newton's method continues.
-const FAR: f64 = 1.0;
+const MAX_POSE_ERROR: f64 = 1.0;
 
 /// Largest number of steps of Newton's method.
 const STEPS: usize = 20;
@@ -104,7 +104,7 @@ impl ScaledArm {
             let shift = target.translation - frame.translation;
             let error = turn.amax().max(shift.amax());
             // A rotation by more than a right angle has a small sine, too, but a negative trace.
-            if error > FAR || error.is_nan() || apart.trace() < 0.0 {
+            if error > MAX_POSE_ERROR || error.is_nan() || apart.trace() < 0.0 {
                 return None;
             }
             if error < POSE_ERROR && (error < EXACT || error > PROGRESS * before) {
