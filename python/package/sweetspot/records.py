@@ -88,8 +88,8 @@ class AllocationDocument(Record):
     expensive.
     """
     lower_bound: Optional[float]
-    """Proven lower bound of the cost; null if infeasible. The proof uses figures by the linear error model,
-    scaled to the figures by the error model of the cell.
+    """Proven lower bound of the cost; null if infeasible. The proof uses figures of the linear error model. A
+    factor adapts each of these figures to the error model of the cell.
     """
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
@@ -102,7 +102,7 @@ class AllocationDocument(Record):
     """
     requirements: Table[AllocationRequirement]
     shortfalls: Table[ShortfallEntry]
-    """Limits that even the tightest tolerances exceed."""
+    """Limits that figures exceed even at the tightest tolerances."""
     judgement: Optional[JudgementEntry]
     """Judgement of the tolerances by the error model of the cell; null if infeasible."""
 
@@ -245,8 +245,8 @@ class CalibrationDocument(Record):
     harmonics: Table[HarmonicsEntry]
     """Periodic errors of the joints; empty if none were requested."""
     rank: int
-    """Number of combinations of parameters that the data determine. The data reduce the standard deviation of
-    each such combination to less than half.
+    """Number of combinations of parameters that the data determine. After the fit, the standard deviation of
+    such a combination is less than half its prior standard deviation.
     """
     unidentified: List[str]
     """Combinations of parameters that the data do not determine."""
@@ -340,14 +340,14 @@ class ComparedFile(Record):
     residual: AccuracyEntry
     """Statistics of the lengths of the differences between measured and predicted errors."""
     coverage_95: Optional[float]
-    """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors of a robot are assumed equal at all poses. The fit of base and reflectors absorbs a part of
-    the random errors.
+    """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
+    These ellipsoids assume that the random errors of a robot are equal at all poses. The fit of base and
+    reflectors absorbs a part of the random errors.
     """
     coverage_95_varying: Optional[float]
-    """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    misfit of a calibration is an example of such errors. Null unless the error set of the robot comes from
-    measurements.
+    """Share of the positions inside a second set of 95 % ellipsoids. These ellipsoids assume that the random
+    errors change from pose to pose, as the misfit of a calibration does. Null unless the error set of the
+    robot comes from measurements.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
@@ -880,7 +880,7 @@ class GoalsEntry(Record):
     """Objective, in the unit of the document."""
     clearance_mm: float
     joint_limits_percent: float
-    """Least distance of a joint from its limits, in percent of half its range."""
+    """Least distance of a joint from its nearer limit, in percent of half the range of the joint."""
     singularity: float
     """Least singular value of the Jacobian, with lengths divided by the arm's reach."""
     travel_deg: float
@@ -1015,12 +1015,13 @@ class JudgementEntry(Record):
 
     missed_percent: float
     """Largest excess of a figure over its limit after the first round, percent; negative if all figures are
-    below their limits. A round finds tolerances with figures by the linear error model. The error model of
-    the cell then judges these tolerances.
+    below their limits. A round uses the linear error model to find tolerances. The error model of the cell
+    then judges these tolerances.
     """
     rounds: int
-    """Index of the round that gave the solution; the first round has the index 0. Each round scales the figures
-    by the linear error model to the judged figures of the round before.
+    """Index of the round that gave the solution; the first round has the index 0. Each round multiplies figures
+    of the linear error model by factors. At the tolerances before the round, the products equal the figures
+    of the error model of the cell.
     """
     sampled_rounds: int
     """Number of further allocations that were necessary because Monte Carlo samples exceeded a limit."""
@@ -1039,7 +1040,9 @@ class LargestEntry(Record):
 
     most: float
     ended: Any
-    """Reason why a larger misplacement is not allowed; null if every checked misplacement is allowed."""
+    """Reason why a misplacement larger than `most` is not allowed; null if every checked misplacement is
+    allowed.
+    """
 
 
 class LostEntry(Record):
@@ -1385,9 +1388,13 @@ class OperationBudget(Record):
     `worst_linear_exact` is null.
     """
     linear_worst: Optional[float]
-    """Worst case of the linear model, in the unit of the sense; null if `worst_linear_exact` is null."""
+    """Worst case of the error by the linear model, in the unit of the sense; null if `worst_linear_exact` is
+    null.
+    """
     linear_rms: Optional[float]
-    """Standard deviation of the linear model, in the unit of the sense; null if `worst_linear_exact` is null."""
+    """Standard deviation of the error by the linear model, in the unit of the sense; null if
+    `worst_linear_exact` is null.
+    """
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -1655,7 +1662,7 @@ class ReadingEntry(Record):
     at_unregistered_choice: Optional[float]
     """Value under `reading` and `registration`, at the posture that `reading` chooses without registration."""
     ratio: Optional[float]
-    """Regret of the choice of the spot by the signed reading: `at_signed_choice` divided by `value`."""
+    """Regret of the signed reading: `at_signed_choice` divided by `value`."""
     moved_mm: Optional[float]
     """Distance between the best node under `reading` and the best node under the signed reading."""
     reason: Optional[str]
@@ -1757,8 +1764,8 @@ class RegionEntry(Record):
 
 
 class RegretEntry(Record):
-    """Largest regret of the choice of a spot by the signed reading, with its operation, reading and
-    registration.
+    """Largest regret (`ratio`), and the operation, reading and registration to which it belongs. A regret
+    compares the spot that the signed reading chooses with the best spot.
     """
 
     operation: str
@@ -2157,9 +2164,9 @@ class SearchResult(Record):
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
-    """Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
-    ranges. In its range, the objective grows by at most `indifference_percent`. Null if the layout is not
-    feasible or misses a limit. Also null if the equipment under an operation does not rotate.
+    """Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y and
+    yaw have ranges. At these angles, the objective grows by at most `indifference_percent`. Null if the
+    layout is infeasible or misses a limit, or if equipment under an operation does not rotate.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2292,7 +2299,7 @@ class ShareEntry(Record):
 
 
 class ShortfallEntry(Record):
-    """Limit that even the tightest tolerances exceed."""
+    """Limit that a figure exceeds even at the tightest tolerances."""
 
     operation: str
     node: List[int]
@@ -2303,8 +2310,8 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Tightest permitted tolerances that contribute to the excess. The list is sorted by `without`, the least
-    value first.
+    """Tightest permitted tolerances, one for each parameter whose error increases `least`. The list is sorted by
+    `without`, the least value first.
     """
 
     _nested = {
@@ -2342,7 +2349,7 @@ class SlopeEntry(Record):
     of: str
     """Name of the equipment, or "robot base"."""
     number: str
-    """Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`."""
+    """Text that names the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`."""
     value: Optional[float]
     """Change of the value of the operation, in the unit of the objective, per mm or degree of the coordinate.
     Null if a small change of the coordinate puts the operation out of reach.
@@ -2869,9 +2876,9 @@ class VerdictDocument(Record):
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Rotation, about the base axis as one body, of all equipment whose x, y and yaw the search varies over
-    ranges. In its range, the layout stays within every limit. Null if the layout is not feasible or misses a
-    limit. Also null if the equipment under an operation does not rotate.
+    """Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y and
+    yaw have ranges. At these angles, the layout stays within every limit. Null if the layout is infeasible or
+    misses a limit, or if equipment under an operation does not rotate.
     """
     reasons: List[str]
     """Reasons why the answer is no."""

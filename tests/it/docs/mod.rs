@@ -7,6 +7,7 @@
 mod blocks;
 mod links;
 mod reference;
+mod results;
 mod same;
 mod session;
 
