@@ -12,6 +12,7 @@ pub mod cell;
 pub mod certificate;
 pub mod clearance;
 pub mod colours;
+pub mod contour;
 pub mod correction;
 pub mod cycle_time;
 pub mod drawing;

@@ -10,10 +10,11 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows. Each module uses only modules before it.
-const ORDER: [&str; 35] = [
+const ORDER: [&str; 36] = [
     "units",
     "safe_text",
     "geometry",
+    "contour",
     "pose",
     "low_discrepancy",
     "mesh",

@@ -6,6 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Layout, Slot};
+use sweetspot::contour::contours;
 use sweetspot::layout::{HeldLayout, HeldMemory, Workcell, evaluate};
 use sweetspot::region::{Domain, Inside, MovableBody, Region, Regions, TwoLattices};
 use sweetspot::search::{SearchRecord, Watch, search};
@@ -67,6 +68,18 @@ fn the_outline_of_discs_with_a_hole_is_found() {
         let nearest = off(0.7, (0.0, 0.0)).min(off(0.2, (0.0, 0.0))).min(off(0.3, (1.4, 1.1)));
         assert!(nearest < 1e-4 || (x + 0.65).abs() < 1e-4, "{x} {y}");
     }
+}
+
+/// Two vertices inside that are opposite corners of a square have a contour each.
+#[test]
+fn vertices_that_meet_at_a_corner_have_separate_contours() {
+    let inside = [(0, 0), (1, 1)];
+    let starts = inside.map(|(i, j)| ((i, j), (i - 1, j)));
+    let found = contours(starts, |vertex| inside.contains(&vertex));
+    let expected = inside.map(|(i, j)| [(i - 1, j), (i, j - 1), (i + 1, j), (i, j + 1)].map(|b| ((i, j), b)));
+    assert_eq!(found, expected);
+    // Every start on a contour that is known already is skipped.
+    assert_eq!(contours(expected.concat(), |vertex| inside.contains(&vertex)).len(), 2);
 }
 
 fn found(workcell: &Workcell, budget: u64, seed: u64) -> SearchRecord {

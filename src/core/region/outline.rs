@@ -5,13 +5,11 @@
 //! one crossed edge to the next. Bisection locates every crossing. The region may have several parts and
 //! holes.
 
+use crate::contour::{CrossedEdge, LatticeVertex, bisected, contours};
 use crate::geometry::{PlanePoint, simplified_line};
 use nalgebra::Vector2;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
-
-/// Vertex of the fine lattice; (0, 0) is the known point of the region.
-type Vertex = (i32, i32);
+use std::collections::HashMap;
 
 /// Number of bisection steps between the two vertices of a crossed edge.
 const BISECTIONS: usize = 6;
@@ -55,7 +53,7 @@ pub trait Inside: Sync {
 struct Trace<'a, I: Inside> {
     lattice: &'a TwoLattices,
     region: &'a I,
-    known: HashMap<Vertex, bool>,
+    known: HashMap<LatticeVertex, bool>,
     memory: I::Memory,
 }
 
@@ -69,24 +67,17 @@ impl TwoLattices {
         trace.test_all(self.coarse_vertices());
         let mut starts = trace.coarse_crossings();
         starts.extend(trace.crossings_on_axes());
-        let (mut visited, mut rings) = (HashSet::new(), Vec::new());
-        for start in starts {
-            if !visited.contains(&start) {
-                let ring = trace.follow(start);
-                visited.extend(ring.iter().copied());
-                rings.push(ring);
-            }
-        }
+        let rings = contours(starts, |vertex| trace.is_inside(vertex));
         rings.iter().map(|ring| simplified(self.located(region, ring))).collect()
     }
 
-    fn at(&self, (i, j): Vertex) -> PlanePoint {
+    fn at(&self, (i, j): LatticeVertex) -> PlanePoint {
         (self.origin.0 + f64::from(i) * self.step, self.origin.1 + f64::from(j) * self.step)
     }
 
     /// Returns the vertices with the least and with the greatest indices. Both vertices lie outside the
     /// domain.
-    fn ends(&self) -> (Vertex, Vertex) {
+    fn ends(&self) -> (LatticeVertex, LatticeVertex) {
         let end = |limit: f64, origin: f64| (limit - origin) / self.step;
         let Domain { x, y } = self.domain;
         let low = |limit, origin| end(limit, origin).floor() as i32 - 1;
@@ -107,32 +98,25 @@ impl TwoLattices {
         (all(low.0, high.0), all(low.1, high.1))
     }
 
-    fn coarse_vertices(&self) -> Vec<Vertex> {
+    fn coarse_vertices(&self) -> Vec<LatticeVertex> {
         let (along_x, along_y) = self.coarse_indices();
         along_x.iter().flat_map(|i| along_y.iter().map(move |j| (*i, *j))).collect()
     }
 
     /// Locates the crossings of a ring by bisection; each result is the last tested point that is inside.
-    fn located<I: Inside>(&self, region: &I, ring: &[(Vertex, Vertex)]) -> Vec<PlanePoint> {
-        let locate = |memory: &mut I::Memory, (inside, outside): &(Vertex, Vertex)| {
-            let (mut a, mut b) = (self.at(*inside), self.at(*outside));
-            for _ in 0..BISECTIONS {
-                let middle = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0);
-                match self.domain.contains(middle) && region.inside(middle, memory) {
-                    true => a = middle,
-                    false => b = middle,
-                }
-            }
-            a
+    fn located<I: Inside>(&self, region: &I, ring: &[CrossedEdge]) -> Vec<PlanePoint> {
+        let locate = |memory: &mut I::Memory, (inside, outside): &CrossedEdge| {
+            let is_inside = |at| self.domain.contains(at) && region.inside(at, memory);
+            bisected((self.at(*inside), self.at(*outside)), BISECTIONS, is_inside).0
         };
         ring.par_iter().map_init(I::Memory::default, locate).collect()
     }
 }
 
 impl<I: Inside> Trace<'_, I> {
-    fn test_all(&mut self, vertices: Vec<Vertex>) {
+    fn test_all(&mut self, vertices: Vec<LatticeVertex>) {
         let Self { lattice, region, .. } = self;
-        let test = |memory: &mut I::Memory, vertex: &Vertex| {
+        let test = |memory: &mut I::Memory, vertex: &LatticeVertex| {
             let at = lattice.at(*vertex);
             lattice.domain.contains(at) && region.inside(at, memory)
         };
@@ -140,7 +124,7 @@ impl<I: Inside> Trace<'_, I> {
         self.known.extend(vertices.into_iter().zip(found));
     }
 
-    fn is_inside(&mut self, vertex: Vertex) -> bool {
+    fn is_inside(&mut self, vertex: LatticeVertex) -> bool {
         let Self { lattice, region, known, memory } = self;
         *known.entry(vertex).or_insert_with(|| {
             let at = lattice.at(vertex);
@@ -149,7 +133,7 @@ impl<I: Inside> Trace<'_, I> {
     }
 
     /// Returns one crossed edge of the fine lattice for each crossed edge of the coarse lattice.
-    fn coarse_crossings(&mut self) -> Vec<(Vertex, Vertex)> {
+    fn coarse_crossings(&mut self) -> Vec<CrossedEdge> {
         let (along_x, along_y) = self.lattice.coarse_indices();
         let mut edges = Vec::new();
         for (k, i) in along_x.iter().enumerate() {
@@ -163,7 +147,7 @@ impl<I: Inside> Trace<'_, I> {
 
     /// Returns a crossed edge on the line between two vertices, with the inner vertex first; None unless
     /// exactly one of the two vertices is inside.
-    fn crossing(&mut self, a: Vertex, b: Vertex) -> Option<(Vertex, Vertex)> {
+    fn crossing(&mut self, a: LatticeVertex, b: LatticeVertex) -> Option<CrossedEdge> {
         let (mut inside, mut outside) = match (self.is_inside(a), self.is_inside(b)) {
             (true, false) => (a, b),
             (false, true) => (b, a),
@@ -180,32 +164,12 @@ impl<I: Inside> Trace<'_, I> {
     }
 
     /// Returns every crossed edge on the two lines through the known point.
-    fn crossings_on_axes(&mut self) -> Vec<(Vertex, Vertex)> {
+    fn crossings_on_axes(&mut self) -> Vec<CrossedEdge> {
         let (low, high) = self.lattice.ends();
         let along_x = (low.0..high.0).map(|i| ((i, 0), (i + 1, 0)));
         let along_y = (low.1..high.1).map(|j| ((0, j), (0, j + 1)));
         self.test_all((low.0..=high.0).map(|i| (i, 0)).chain((low.1..=high.1).map(|j| (0, j))).collect());
         along_x.chain(along_y).filter_map(|(a, b)| self.crossing(a, b)).collect()
-    }
-
-    /// Follows the boundary from a crossed edge back to the same edge; the inside lies on the left.
-    fn follow(&mut self, start: (Vertex, Vertex)) -> Vec<(Vertex, Vertex)> {
-        let mut ring = vec![start];
-        let (mut a, mut b) = start;
-        loop {
-            // The next cell contains the edge from `a` to `b` and the parallel edge from `c` to `e`.
-            let aside = (a.1 - b.1, b.0 - a.0);
-            let (c, e) = ((a.0 + aside.0, a.1 + aside.1), (b.0 + aside.0, b.1 + aside.1));
-            (a, b) = match (self.is_inside(c), self.is_inside(e)) {
-                (false, _) => (a, c),
-                (true, false) => (c, e),
-                (true, true) => (e, b),
-            };
-            if (a, b) == start {
-                return ring;
-            }
-            ring.push((a, b));
-        }
     }
 }
 

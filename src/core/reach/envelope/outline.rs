@@ -1,9 +1,7 @@
-//! Outline of a region in a plane by marching squares.
-//!
-//! The method is the two-dimensional form of marching cubes (W. E. Lorensen, H. E. Cline, 1987). A function
-//! decides whether a point lies in the region. A crossing is a point where an edge of the lattice meets the
-//! outline; bisection locates each crossing.
+//! Outline of a region in a plane, traced on a dense lattice ([`crate::contour`]).
 
+use crate::contour::{CrossedEdge, LatticeVertex, bisected, contours, middle};
+use crate::geometry::PlanePoint;
 use rayon::prelude::*;
 
 /// Section of an envelope by a plane; coordinates in m.
@@ -31,9 +29,6 @@ pub(super) struct Lattice {
     size: [usize; 2],
     step: f64,
 }
-
-/// Mark of a lattice edge that does not cross the outline.
-const NO_CROSSING: u32 = u32::MAX;
 
 impl EnvelopeSection {
     /// Returns the area of the section, m^2, without the area of its holes.
@@ -88,8 +83,8 @@ impl Lattice {
         (0..self.size[axis]).map(|k| self.coordinate(axis, k)).collect()
     }
 
-    fn point(&self, node: usize) -> [f64; 2] {
-        [self.coordinate(0, node % self.size[0]), self.coordinate(1, node / self.size[0])]
+    fn point(&self, (i, j): LatticeVertex) -> PlanePoint {
+        (self.coordinate(0, i as usize), self.coordinate(1, j as usize))
     }
 
     /// Returns the region in which `inside` returns true; parts narrower than a step may be missed.
@@ -102,95 +97,27 @@ impl Lattice {
         row_done: &(dyn Fn(u64) + Sync),
         inside: impl Fn([f64; 2]) -> bool + Sync,
     ) -> EnvelopeSection {
-        let [columns, rows] = self.size;
-        let row = |j: usize| {
-            let frame = |i: usize| i == 0 || j == 0 || i + 1 == columns || j + 1 == rows;
-            let held: Vec<bool> =
-                (0..columns).map(|i| !frame(i) && inside(self.point(i + j * columns))).collect();
+        let [columns, rows] = self.size.map(|size| size as i32);
+        let is_inside = |(x, y): PlanePoint| inside([x, y]);
+        let row = |j: i32| {
+            let frame = |i: i32| i == 0 || j == 0 || i + 1 == columns || j + 1 == rows;
+            let held: Vec<bool> = (0..columns).map(|i| !frame(i) && is_inside(self.point((i, j)))).collect();
             row_done(columns as u64);
             held
         };
         let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
-        // From point k, edge 2 k runs to the right, and edge 2 k + 1 runs upwards.
-        let level = |edge: usize| edge.is_multiple_of(2);
-        let end = |edge: usize| edge / 2 + if level(edge) { 1 } else { columns };
-        let closes = |k: usize| (k + 1).is_multiple_of(columns);
-        let has_end = |edge: usize| if level(edge) { !closes(edge / 2) } else { end(edge) < held.len() };
-        let cut = |&edge: &usize| has_end(edge) && held[edge / 2] != held[end(edge)];
-        let edges: Vec<usize> = (0..2 * held.len()).filter(cut).collect();
-        let crossing = |&edge: &usize| {
-            let (from, to) = (self.point(edge / 2), self.point(end(edge)));
-            let (yes, no) = if held[edge / 2] { (from, to) } else { (to, from) };
-            bisected(yes, no, tolerance, &inside)
+        let holds = |(i, j): LatticeVertex| held[(i + j * columns) as usize];
+        // No vertex of the border is inside, so every contour has an edge that leaves the region to the left.
+        let leaves = |&(a, b): &CrossedEdge| holds(a) && !holds(b);
+        let starts = (0..rows).flat_map(|j| (1..columns).map(move |i| ((i, j), (i - 1, j)))).filter(leaves);
+        let steps = (self.step / (2.0 * tolerance)).log2().ceil().max(0.0) as usize;
+        let crossing = |&(a, b): &CrossedEdge| {
+            let (a, b) = bisected((self.point(a), self.point(b)), steps, is_inside);
+            let at = middle(a, b);
+            [at.0, at.1]
         };
-        let crossings: Vec<[f64; 2]> = edges.par_iter().map(crossing).collect();
-        let mut number = vec![NO_CROSSING; 2 * held.len()];
-        edges.iter().enumerate().for_each(|(k, &edge)| number[edge] = k as u32);
-        let next = self.linked(&held, &number, edges.len(), &inside);
-        EnvelopeSection { outlines: walked(&crossings, next) }
+        let outline =
+            |contour: &Vec<CrossedEdge>| Outline { points: contour.par_iter().map(crossing).collect() };
+        EnvelopeSection { outlines: contours(starts, holds).iter().map(outline).collect() }
     }
-
-    /// Returns, for every crossing of the outline with an edge, the next crossing along the outline.
-    fn linked(
-        &self,
-        held: &[bool],
-        number: &[u32],
-        count: usize,
-        inside: &impl Fn([f64; 2]) -> bool,
-    ) -> Vec<u32> {
-        let columns = self.size[0];
-        let mut next = vec![NO_CROSSING; count];
-        for low in (0..held.len() - columns).filter(|k| !(k + 1).is_multiple_of(columns)) {
-            // Corners run anticlockwise from the lower left; side k runs from corner k to the next.
-            let corners = [low, low + 1, low + columns + 1, low + columns];
-            let sides = [2 * low, 2 * (low + 1) + 1, 2 * (low + columns), 2 * low + 1];
-            let leaves = |k: usize| held[corners[k]] && !held[corners[(k + 1) % 4]];
-            let enters = |k: usize| !held[corners[k]] && held[corners[(k + 1) % 4]];
-            let saddle = (0..4).filter(|&k| leaves(k)).count() == 2;
-            let middle = || {
-                let [a, b] = [self.point(corners[0]), self.point(corners[2])];
-                inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0])
-            };
-            // A saddle has two opposite corners inside the region. If the middle of the saddle is outside,
-            // the outline separates the two corners.
-            let turn = if saddle && !middle() { 3 } else { 1 };
-            for k in (0..4).filter(|&k| leaves(k)) {
-                if let Some(to) = (1..4).map(|n| (k + n * turn) % 4).find(|&k| enters(k)) {
-                    next[number[sides[k]] as usize] = number[sides[to]];
-                }
-            }
-        }
-        next
-    }
-}
-
-/// Returns the point between `yes` and `no` where `inside` changes, found by bisection.
-fn bisected(
-    mut yes: [f64; 2],
-    mut no: [f64; 2],
-    tolerance: f64,
-    inside: &impl Fn([f64; 2]) -> bool,
-) -> [f64; 2] {
-    let middle = |a: [f64; 2], b: [f64; 2]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
-    while (yes[0] - no[0]).abs() + (yes[1] - no[1]).abs() > 2.0 * tolerance {
-        let between = middle(yes, no);
-        if inside(between) { yes = between } else { no = between }
-    }
-    middle(yes, no)
-}
-
-/// Returns the closed polygons that result from following `next` from crossing to crossing.
-fn walked(crossings: &[[f64; 2]], mut next: Vec<u32>) -> Vec<Outline> {
-    let mut outlines = Vec::new();
-    for start in 0..next.len() {
-        let (mut at, mut points) = (start, Vec::new());
-        while next[at] != NO_CROSSING {
-            points.push(crossings[at]);
-            at = std::mem::replace(&mut next[at], NO_CROSSING) as usize;
-        }
-        if !points.is_empty() {
-            outlines.push(Outline { points });
-        }
-    }
-    outlines
 }
