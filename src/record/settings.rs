@@ -1,7 +1,10 @@
 //! The resolved settings of a run. A result depends on these settings and on the input files.
 
-use super::numbers::in_unit;
-use crate::cell::{Cell, Goal, Model, Objective, Quantity, Reading, Registration, Solver, Unit};
+use super::numbers::{degrees, in_unit, millimetres, percent};
+use super::placement::ByName;
+use crate::cell::{
+    Cell, Goal, Model, Objective, PlacementTolerance, Quantity, Reading, Registration, Role, Solver, Unit,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +19,15 @@ pub struct ResolvedSettings {
     /// Statistic that is minimized in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
+    /// Largest deviation from the nonlinear model at which reports trust a simpler model, % of the error.
+    pub guard_percent: f64,
+    /// Whether collisions of the robot and overlaps of equipment are checked.
+    pub collision: bool,
+    pub clearance_mm: f64,
+    pub margins: ResolvedMargins,
+    pub base_tolerance: ResolvedTolerance,
+    /// Placement tolerances by the name of the equipment.
+    pub placement_tolerances: ByName<ResolvedTolerance>,
     pub operations: Vec<ResolvedOperation>,
     pub objective: Objective,
     /// Relative difference up to which two objectives count as equally good. The lexicographic objective
@@ -39,6 +51,36 @@ pub struct ResolvedSettings {
     pub keep: usize,
 }
 
+/// Margins of all postures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResolvedMargins {
+    /// Least distance from the limits of revolute joints, degrees.
+    pub joint_deg: f64,
+    /// Least distance from the limits of prismatic joints, mm.
+    pub joint_mm: f64,
+    /// Least allowed value of the smallest singular value of the Jacobian, with lengths divided by the reach.
+    pub singularity: f64,
+}
+
+/// Half widths of a placement tolerance, mm and degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResolvedTolerance {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    pub z_mm: f64,
+    pub yaw_deg: f64,
+}
+
+impl ResolvedTolerance {
+    fn new(tolerance: &PlacementTolerance) -> Self {
+        let [x, y, z, yaw] = tolerance.0;
+        let [x_mm, y_mm, z_mm] = [x, y, z].map(millimetres);
+        Self { x_mm, y_mm, z_mm, yaw_deg: degrees(yaw) }
+    }
+}
+
 /// Sense and limit of an operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -59,12 +101,25 @@ impl ResolvedSettings {
             unit: o.sense.unit,
             limit: o.limit.map(|limit| in_unit(o.sense.unit, limit)),
         });
+        let placed = cell.equipment.iter().filter(|e| e.role == Role::Equipment);
         Self {
             errors: cell.error_set().name().into(),
             model: cell.model,
             reading: cell.reading,
             quantity: cell.quantity,
             registration: cell.registration,
+            guard_percent: percent(cell.guard),
+            collision: cell.collision,
+            clearance_mm: millimetres(cell.clearance),
+            margins: ResolvedMargins {
+                joint_deg: degrees(cell.margins.turn),
+                joint_mm: millimetres(cell.margins.slide),
+                singularity: cell.margins.singularity,
+            },
+            base_tolerance: ResolvedTolerance::new(&cell.base_tolerance),
+            placement_tolerances: placed
+                .map(|e| (e.name.clone(), ResolvedTolerance::new(&e.tolerance)))
+                .collect(),
             operations: operations.collect(),
             objective: search.objective,
             indifference: search.indifference,

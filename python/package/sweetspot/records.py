@@ -1888,6 +1888,17 @@ class RequirementEntry(Record):
     """
 
 
+class ResolvedMargins(Record):
+    """Margins of all postures."""
+
+    joint_deg: float
+    """Least distance from the limits of revolute joints, degrees."""
+    joint_mm: float
+    """Least distance from the limits of prismatic joints, mm."""
+    singularity: float
+    """Least allowed value of the smallest singular value of the Jacobian, with lengths divided by the reach."""
+
+
 class ResolvedOperation(Record):
     """Sense and limit of an operation."""
 
@@ -1908,6 +1919,15 @@ class ResolvedSettings(Record):
     quantity: Literal['yield', 'rms', 'mean', 'p95', 'p99']
     """Statistic that is minimized in the statistical reading."""
     registration: Literal['none', 'best-fit', 'taught']
+    guard_percent: float
+    """Largest deviation from the nonlinear model at which reports trust a simpler model, % of the error."""
+    collision: bool
+    """Whether collisions of the robot and overlaps of equipment are checked."""
+    clearance_mm: float
+    margins: ResolvedMargins
+    base_tolerance: ResolvedTolerance
+    placement_tolerances: Dict[str, ResolvedTolerance]
+    """Placement tolerances by the name of the equipment."""
     operations: Table[ResolvedOperation]
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     indifference: float
@@ -1932,8 +1952,20 @@ class ResolvedSettings(Record):
     """Number of layouts to keep; 0 if the cell states none."""
 
     _nested = {
+        'margins': ('record', 'ResolvedMargins'),
+        'base_tolerance': ('record', 'ResolvedTolerance'),
+        'placement_tolerances': ('named', 'ResolvedTolerance'),
         'operations': ('table', 'ResolvedOperation'),
     }
+
+
+class ResolvedTolerance(Record):
+    """Half widths of a placement tolerance, mm and degrees."""
+
+    x_mm: float
+    y_mm: float
+    z_mm: float
+    yaw_deg: float
 
 
 class RobotEntry(Record):

@@ -128,7 +128,7 @@ fn placements(verdict: &VerdictDocument) -> PageTable {
         "yaw deg",
         "room mm",
         "room deg",
-        "room is limited by",
+        "limit of the room",
     ];
     PageTable::new("Placements", &head, verdict.placements.iter().map(row).collect())
 }

@@ -111,7 +111,7 @@ fn room(a: &Assessment<'_>) -> String {
     }
     let mut out = table.render();
     for RegionEntry { equipment, ends_with, .. } in &regions {
-        let _ = writeln!(out, "  the room of {} is limited by {}", shown(equipment), ends_with);
+        let _ = writeln!(out, "  limit of the room of {}: {}", shown(equipment), ends_with);
     }
     if let Some(turn) = TurnEntry::new(a) {
         out.push_str(&whole_cell(&turn));
@@ -124,7 +124,7 @@ fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
         "the whole cell may be rotated about the base axis by {least} to {most} deg while the objective \
-        grows by at most the indifference; limited by {}\n",
+        grows by at most the indifference (limit: {})\n",
         turn.ends_with
     )
 }

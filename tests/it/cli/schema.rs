@@ -134,6 +134,11 @@ fn documents_of_commands_validate_against_the_printed_schemas() {
     let manifest = shop.document("found/manifest.json");
     validates(&shop, DocumentKind::Manifest, &manifest);
     assert_eq!((&manifest["resolved"]["budget"], &manifest["resolved"]["seed"]), (&60.into(), &2.into()));
+    // Values that the cell file leaves out are in the manifest, too.
+    assert_eq!(manifest["resolved"]["clearance_mm"], 10.0);
+    assert_eq!(manifest["resolved"]["margins"]["joint_deg"], 2.0);
+    let worktable = &manifest["resolved"]["placement_tolerances"]["worktable"];
+    assert_eq!((&worktable["x_mm"], &worktable["yaw_deg"]), (&2.0.into(), &0.2.into()));
     let report = shop.run(&["report", "found", "--json"]);
     validates(&shop, DocumentKind::Report, &report.document());
     let sweep = ["sweep", PAPER, "--map", "--set", "errors=table-2,table-3", "--out", "swept"];
