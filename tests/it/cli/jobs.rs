@@ -192,7 +192,7 @@ fn a_signal_exits_130_and_leaves_a_checkpoint() {
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        std::thread::sleep(Duration::from_millis(600));
+        std::thread::sleep(Duration::from_millis(100));
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         let ran = ran(child.wait_with_output().unwrap());
         assert_eq!(ran.code, Some(130), "{signal}: {}", ran.err);

@@ -310,7 +310,7 @@ fn continued(worker: &RunOutput) -> u64 {
 }
 
 /// Kills a worker after the first checkpoint of its combination, which the worker writes after 2 s. Returns the
-/// folder, and a number of layouts of which at most a quarter are done.
+/// folder, and a number of layouts of which at most a third are done.
 fn killed_after_checkpoint() -> (Sandbox, u64) {
     let mut budget = 150_000;
     loop {
@@ -324,10 +324,10 @@ fn killed_after_checkpoint() -> (Sandbox, u64) {
             Some(text) => {
                 let stored: Value = serde_json::from_slice(&text).unwrap();
                 let done = stored["state"]["record"]["evaluations"].as_u64().unwrap();
-                if 4 * done <= budget {
+                if 3 * done <= budget {
                     return (shop, budget);
                 }
-                budget = 5 * done;
+                budget = 4 * done;
             }
             None => budget *= 4,
         }

@@ -106,7 +106,7 @@ impl Lattice {
             held
         };
         let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
-        let holds = |(i, j): LatticeVertex| held[(i + j * columns) as usize];
+        let holds = |(i, j): LatticeVertex| held[i as usize + j as usize * self.size[0]];
         // No vertex of the border is inside, so every contour has an edge that leaves the region to the left.
         let leaves = |&(a, b): &CrossedEdge| holds(a) && !holds(b);
         let starts = (0..rows).flat_map(|j| (1..columns).map(move |i| ((i, j), (i - 1, j)))).filter(leaves);
