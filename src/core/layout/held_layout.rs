@@ -5,63 +5,16 @@
 //! An operation at every node keeps no posture: at each of its nodes, the best posture of the node is used.
 
 use super::certify::is_between_solids;
+use super::ending::Ending;
 use super::evaluation::{Evaluation, evaluate};
 use super::objective::combined;
 use super::spot_choice::{Judge, Loss, SpotMemory, SpotQuery, SpotValue};
 use super::workcell::Workcell;
 use crate::allocation::NearbyPrice;
-use crate::cell::{Cell, Layout, Unit};
+use crate::cell::{Layout, Unit};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot, Status};
-use crate::motion::Blocked;
-use crate::safe_text::shown;
-
-/// Reason why a layout whose operations keep their spots is infeasible, misses a limit or has too large an
-/// objective.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Ending {
-    /// The objective exceeds the largest objective that is allowed.
-    Objective,
-    /// The value of the operation may exceed its limit.
-    Limit(usize),
-    Overlap(Overlap),
-    /// The operation cannot keep its posture.
-    Posture(usize, Status),
-    /// The operation is not certified.
-    NotCertified(usize, NotCertified),
-    /// The operation cannot keep its posture at a corner of the placement tolerances.
-    Corner(usize),
-    /// The operation happens at every node, but one node cannot be used.
-    EveryNode(usize),
-    /// A transfer between two operations is blocked.
-    Transfer(Blocked),
-}
-
-impl Ending {
-    /// Describes the reason as a clause, with the names of operations, joints and solids in the cell.
-    pub fn in_words(&self, cell: &Cell) -> String {
-        let of = |k: &usize, why: String| format!("{}: {why}", shown(&cell.operations[*k].name));
-        match self {
-            Self::Objective => {
-                let what = if cell.unit() == Unit::Cost { "cost" } else { "error" };
-                format!("the {what} grows by more than the indifference")
-            }
-            Self::Limit(k) => of(k, "its error may exceed its limit".into()),
-            Self::Overlap(overlap) => overlap.in_words(cell),
-            Self::Posture(k, status) => of(k, status.reason(cell)),
-            Self::NotCertified(k, NotCertified::JointLimit { joint, .. }) => {
-                of(k, format!("joint {} reaches its limit or margin", shown(&cell.robot.joints[*joint].name)))
-            }
-            Self::NotCertified(k, why) => of(k, why.in_words(cell)),
-            Self::Corner(k) => {
-                of(k, "its posture cannot be used at a corner of the placement tolerances".into())
-            }
-            Self::EveryNode(k) => of(k, "a node cannot be used".into()),
-            Self::Transfer(blocked) => blocked.in_words(cell),
-        }
-    }
-}
+use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot};
 
 /// Spot that an operation keeps.
 #[derive(Debug, Clone, Copy)]
@@ -348,14 +301,10 @@ impl Judgement<'_, '_> {
         if self.held.workcell.cell.unit() == Unit::Cost {
             return Ok(());
         }
-        for (k, held) in self.held.spots.iter().enumerate() {
-            if let (HeldSpot::Spot { posture, .. }, None, true) =
-                (held, self.known(k), self.placed.has_held_bound(k))
-            {
-                let value = self.placed.held(k, spots, posture, memory);
-                let value = value.map_err(|status| Ending::Posture(k, status))?;
-                values[k] = OperationValue { spot: Spot { value, ..values[k].spot }, value, worst: value };
-            }
+        for (k, posture) in self.judged_spots().filter(|(k, _)| self.placed.has_held_bound(*k)) {
+            let value = self.placed.held(k, spots, posture, memory);
+            let value = value.map_err(|status| Ending::Posture(k, status))?;
+            values[k] = OperationValue { spot: Spot { value, ..values[k].spot }, value, worst: value };
         }
         if self.combined(values) > self.most { Err(Ending::Objective) } else { Ok(()) }
     }
@@ -368,8 +317,7 @@ impl Judgement<'_, '_> {
         spots: &[Option<Spot>],
         bounds: &mut MapperWorkspace,
     ) -> Result<(), Ending> {
-        for (k, held) in self.held.spots.iter().enumerate() {
-            let (HeldSpot::Spot { posture, .. }, None) = (held, self.known(k)) else { continue };
+        for (k, posture) in self.judged_spots() {
             if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
                 values[k] = OperationValue { value, worst, ..values[k] };
             }
@@ -384,6 +332,14 @@ impl Judgement<'_, '_> {
             self.placed.transfers(spots).map_err(Ending::Transfer)?;
         }
         Ok(())
+    }
+
+    /// Returns the operations with a held spot and without a known value, each with its held posture.
+    fn judged_spots(&self) -> impl Iterator<Item = (usize, &HeldPosture)> {
+        self.held.spots.iter().enumerate().filter_map(|(k, held)| match (held, self.known(k)) {
+            (HeldSpot::Spot { posture, .. }, None) => Some((k, posture)),
+            _ => None,
+        })
     }
 
     /// Returns the known value of an operation; None if the value is not known.

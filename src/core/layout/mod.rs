@@ -2,6 +2,7 @@
 
 mod certify;
 mod cycle;
+mod ending;
 mod evaluation;
 mod goals;
 mod held_layout;
@@ -16,9 +17,10 @@ mod spot_choice;
 mod workcell;
 
 pub use certify::{LayoutCertificate, OperationCertificate};
+pub use ending::Ending;
 pub use evaluation::{Evaluation, Workspace, evaluate, evaluate_in};
 pub use goals::MAX_CLEARANCE;
-pub use held_layout::{Ending, HeldLayout, HeldMemory, Uncarried};
+pub use held_layout::{HeldLayout, HeldMemory, Uncarried};
 pub use measurable::{MeasurablePoses, Sightline};
 pub use misplacement::Moves;
 pub use objective::combined;
