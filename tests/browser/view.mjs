@@ -157,27 +157,59 @@ async function takePicture(page, name) {
 async function drag(page, { x, y }, dx, dy) {
   await page.mouse.move(x, y);
   await page.mouse.down();
-  await page.mouse.move(x + dx, y + dy, { steps: 5 });
+  await release(page, { x: x + dx, y: y + dy });
+}
+
+/**
+ * Moves the pressed pointer to a point in five steps, and releases it there.
+ * @param {Page} page
+ * @param {{ x: number, y: number }} point
+ */
+async function release(page, { x, y }) {
+  await page.mouse.move(x, y, { steps: 5 });
   await page.mouse.up();
 }
 
 /**
- * Returns the middle of a box.
- * @param {{ x: number, y: number, width: number, height: number } | null} box
+ * Grips the middle of an element of the plan, and returns the gripped point. On a busy machine the plan may
+ * be drawn again after the request for the place of the element and before the press. The press is then
+ * repeated at the new place.
+ * @param {Page} page
+ * @param {import("playwright-core").Locator} element
  */
-function middleOf(box) {
-  if (!box) throw new Error("nothing to drag");
-  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+async function grip(page, element) {
+  for (let attempt = 0; attempt < 10; attempt += 1) {
+    const box = await element.boundingBox();
+    if (!box) throw new Error("nothing to grip");
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    await page.mouse.move(middle.x, middle.y);
+    await page.mouse.down();
+    if (await page.locator("#plan .piece.held").count()) return middle;
+    await page.mouse.up();
+  }
+  throw new Error("the press does not grip the element");
 }
 
 /**
- * Returns the middle of a piece of the plan.
+ * Drags an element of the plan by a number of pixels.
+ * @param {Page} page
+ * @param {import("playwright-core").Locator} element
+ * @param {number} dx
+ * @param {number} dy
+ */
+async function dragOnPlan(page, element, dx, dy) {
+  const { x, y } = await grip(page, element);
+  await release(page, { x: x + dx, y: y + dy });
+}
+
+/**
+ * Returns the floor space of a piece of the plan.
  * @param {Page} page
  * @param {string} name
  */
-async function pieceOf(page, name) {
+function footOf(page, name) {
   const piece = page.locator("#plan .piece.movable", { has: page.locator("title", { hasText: name }) });
-  return middleOf(await piece.locator("rect.foot").boundingBox());
+  return piece.locator("rect.foot");
 }
 
 const X = "equipment/worktable/x_mm";
@@ -201,8 +233,7 @@ async function testTyping(page) {
 /** @param {Page} page */
 async function testPlan(page) {
   const [x, typed] = [await number(page, X), await error(page)];
-  const middle = await pieceOf(page, "worktable");
-  await step(page, () => drag(page, middle, -12, -4));
+  await step(page, () => dragOnPlan(page, footOf(page, "worktable"), -12, -4));
   check((await number(page, X)) < x - 10, "a drag to the left makes x less");
   const dragged = await error(page);
   check(dragged !== typed, `a drag changes the error: ${typed} to ${dragged} mm`);
@@ -211,8 +242,7 @@ async function testPlan(page) {
   await step(page, () => page.click("#redo"));
   check((await error(page)) === dragged, "redo does it again");
   const yaw = await number(page, YAW);
-  const handle = middleOf(await page.locator(".turn").first().boundingBox());
-  await step(page, () => drag(page, handle, 4, 8));
+  await step(page, () => dragOnPlan(page, page.locator(".turn").first(), 4, 8));
   check((await number(page, YAW)) !== yaw, "the handle turns");
   await step(page, async () => {
     await page.locator("#plan .piece.movable").first().focus();
@@ -227,9 +257,7 @@ async function testPlan(page) {
  */
 async function testStanding(page) {
   const outline = () => page.locator("#plan .standing path").first().getAttribute("d");
-  const { x, y } = await pieceOf(page, "worktable");
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const { x, y } = await grip(page, footOf(page, "worktable"));
   await page.mouse.move(x + 6, y, { steps: 2 });
   // The fine outline may replace the coarse outline before this test sees the coarse outline.
   await page.waitForFunction(
@@ -363,8 +391,8 @@ async function testDrops() {
     window.sweetspotDrawn.length = 0;
   });
   for (let k = 0; k < DROPS; k++) {
-    const middle = await pieceOf(page, "worktable");
-    await step(page, () => drag(page, middle, k % 2 ? 30 : -30, k % 3 ? 12 : -24));
+    const worktable = footOf(page, "worktable");
+    await step(page, () => dragOnPlan(page, worktable, k % 2 ? 30 : -30, k % 3 ? 12 : -24));
     // The 3-D view follows after the map.
     await page.waitForTimeout(200);
   }
