@@ -4,7 +4,7 @@ use crate::common::{root, shipped};
 use nalgebra::{Vector3, vector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use sweetspot::cell::{Attitude, Azimuth, Cell, Placement, Robot, Spin};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, evaluate};
@@ -236,16 +236,20 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(near(plan.area(), exact, 1e-3), "{} {exact}", plan.area());
     assert!(envelope.plan(0.75, &fine(0.02)).is_empty() && envelope.plan(0.45, &fine(0.02)).is_empty());
 
-    // Joint 1 makes no full turn, and the spin is tried in steps from x. The envelope is therefore counted in
-    // x, y and z.
-    assert!(!envelope.is_symmetric());
-    let counted = envelope.size(&fine(0.04));
+    // A fixed spin is measured from the x axis. The envelope is therefore counted in x, y and z.
+    let fixed = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
+    let fixed = Envelope::new(&arm, &fixed, 0.0);
+    assert!(!fixed.is_symmetric());
+    let counted = fixed.size(&fine(0.04));
     let volume = exact * 0.2;
     assert!(!counted.symmetric && near(counted.volume, volume, 0.03), "{counted:?}");
-    let radial = Attitude { azimuth: Azimuth::Radial, ..Attitude::elevation(DOWN) };
-    let envelope = Envelope::new(&arm, &radial, 0.0);
+    // The last joint provides every spin, so the range of joint 1 does not matter.
     let turned = envelope.size(&fine(0.005));
     assert!(turned.symmetric && near(turned.volume, volume, 0.01), "{turned:?} {volume}");
+    let radial = Attitude { azimuth: Azimuth::Radial, ..Attitude::elevation(DOWN) };
+    assert!(Envelope::new(&arm, &radial, 0.0).is_symmetric());
+    let tilted = Attitude { tolerance: 0.1, ..Attitude::elevation(DOWN) };
+    assert!(!Envelope::new(&arm, &tilted, 0.0).is_symmetric());
     let extent = turned.extent.unwrap();
     let want = [radius2(ends[1].to_radians()).sqrt(), radius2(ends[0].to_radians()).sqrt(), 0.5, 0.7];
     let got = [extent.radius.0, extent.radius.1, extent.height.0, extent.height.1];
@@ -323,6 +327,36 @@ fn the_envelope_volume_agrees_with_monte_carlo() {
         let (counted, deviation) = monte_carlo(&envelope, [-2.0, -2.0, -1.2], [2.0, 2.0, 2.7], 400_000);
         let off = (size.volume - counted).abs();
         assert!(size.symmetric && off < size.error + 3.0 * deviation, "{size:?} {counted} {deviation}");
+    }
+}
+
+/// Joint 1 of these arms has a range of less than one turn, and its axis points up or down. The last joint
+/// provides the spin, so the size is integrated over radius and height. A last joint with a range of less than
+/// the distance between sampled spins does not provide the spin in every posture.
+#[test]
+fn the_envelope_volume_of_a_six_axis_arm_agrees_with_monte_carlo() {
+    for (name, low, high) in [
+        ("puma560.toml", [-0.9, -0.9, -0.2], [0.9, 0.9, 1.2]),
+        ("kuka_kr6_r900.toml", [-1.0, -1.0, -0.5], [1.0, 1.0, 1.1]),
+    ] {
+        let file = root().join("cells/robots").join(name);
+        let mut robot = read(&std::fs::read_to_string(file).unwrap());
+        let first = robot.joints[0].limits;
+        assert!(first.1 - first.0 < TAU);
+        let attitude = Attitude::elevation(DOWN);
+        let arm = inverse(&robot);
+        let envelope = Envelope::new(&arm, &attitude, 0.0);
+        let size = envelope.size(&fine(0.02));
+        let (counted, deviation) = monte_carlo(&envelope, low, high, 100_000);
+        let off = (size.volume - counted).abs();
+        assert!(size.symmetric && off < size.error + 3.0 * deviation, "{name}: {size:?} {counted} {deviation}");
+
+        robot.joints[5].limits = (-0.1, 0.1);
+        let held = inverse(&robot);
+        let envelope = Envelope::new(&held, &attitude, 0.0);
+        assert!(!envelope.is_symmetric());
+        let (fewer, deviation) = monte_carlo(&envelope, low, high, 100_000);
+        assert!(fewer + 3.0 * deviation < counted, "{name}: {fewer} {counted}");
     }
 }
 

@@ -15,10 +15,11 @@ pub use size::Size;
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;
 use crate::reach::solver::ChainSolver;
-use crate::reach::{Inverse, Shell, ToolAttitudes};
+use crate::reach::{Cost, Inverse, Shell, ToolAttitudes};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 use outline::Lattice;
+use std::f64::consts::TAU;
 
 /// Distance from the base axis, m, below which the azimuth of a point is taken as 0.
 const ON_AXIS: f64 = 1e-3;
@@ -123,17 +124,17 @@ impl<'a> Envelope<'a> {
 
     /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
-    /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. For the numeric solver, joint 1 must also have a range of at least one turn.
+    /// Joint 1 must rotate about the base axis, upwards or downwards. It must drive no other joint, and the
+    /// required attitude must rotate with it. For the numeric solver, joint 1 must also have a range of at least one turn.
     ///
     /// A solver for the full pose of the flange samples a free azimuth and a free spin. The sampled angles
-    /// are measured from a fixed direction. For such a solver, two more conditions apply unless the azimuth
-    /// is [`Radial`](crate::cell::Azimuth::Radial). The tool must be vertical, and joint 1 must have a range
-    /// of at least one turn.
+    /// are measured from a fixed direction. For such a solver, more conditions apply unless the azimuth is
+    /// [`Radial`](crate::cell::Azimuth::Radial). The tool must be exactly vertical. In addition, joint 1 must
+    /// have a range of at least one turn, or the last joint alone must provide a sampled spin anywhere.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };
-        let upright = (chain.mount.rotation.column(2) - Vector3::z()).norm() < 1e-12;
+        let upright = chain.mount.rotation.column(2).xy().norm() < 1e-12;
         let central = chain.mount.translation.xy().norm() < 1e-12;
         let alone = chain.coupling.iter().skip(1).all(|row| row[0] == 0.0);
         let turns = first.kind == JointKind::Revolute;
@@ -153,9 +154,19 @@ impl<'a> Envelope<'a> {
             ChainSolver::Planar(_) => free,
             ChainSolver::Numeric(_) => free && size::turns_whole(self.inverse),
             ChainSolver::Pose(_) | ChainSolver::Redundant(_) => {
-                attitude.azimuth == Azimuth::Radial
-                    || free && attitude.is_vertical() && size::turns_whole(self.inverse)
+                let is_upright = attitude.is_vertical() && attitude.tolerance == 0.0;
+                let turns = size::turns_whole(self.inverse) || self.last_joint_spins_freely();
+                attitude.azimuth == Azimuth::Radial || free && is_upright && turns
             }
         }
+    }
+
+    /// Returns whether a closed form leaves the spin to the last joint alone, and the range of this joint
+    /// contains a sampled free spin in every posture of the other joints.
+    fn last_joint_spins_freely(&self) -> bool {
+        let spacing = TAU / Attitude::free_spins().count() as f64;
+        let width = self.inverse.chain.links.last().map(|link| link.limits.1 - link.limits.0);
+        let is_closed_form = self.inverse.cost() == Cost::Middle;
+        is_closed_form && self.inverse.last_joint.is_some() && width.is_some_and(|width| width >= spacing)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::extent::{EnvelopeExtent, RefinementEffort, SampledEnvelope};
 use super::{Envelope, Fineness};
-use crate::reach::{Cost, Inverse, Reach};
+use crate::reach::{Cost, Inverse};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -109,11 +109,21 @@ impl Envelope<'_> {
     /// `opened` is the arm without limits of joint 1; None if joint 1 can make a whole turn.
     fn angle(&self, opened: Option<&FreedArm>, target: &Vector3<f64>) -> f64 {
         let Some(opened) = opened else { return if self.contains(target) { TAU } else { 0.0 } };
-        let Reach::Branches(branches) = opened.inverse.branches(target, &self.attitudes) else { return 0.0 };
-        let usable = branches.iter().filter(|b| b.is_usable());
         // If the target moves along the circle, joint 1 rotates by the same angle.
-        let turned = usable.map(|b| (opened.limits.0 - b.joints[0], opened.limits.1 - b.joints[0]));
-        covered(turned.collect())
+        let mut turned: Vec<(f64, f64)> = Vec::new();
+        let mut last = (f64::NAN, f64::NAN);
+        let inverse = &opened.inverse;
+        let zero = inverse.chain.links[0].theta;
+        inverse.visit(target, &self.attitudes, &mut inverse.scratch(), |_, posture| {
+            // Postures that differ only by the spin follow one another.
+            let direction = (posture.cos[0], posture.sin[0]);
+            if direction != last {
+                last = direction;
+                let q = direction.1.atan2(direction.0) - zero;
+                turned.push((opened.limits.0 - q, opened.limits.1 - q));
+            }
+        });
+        covered(turned)
     }
 
     fn counted_size(&self, fine: &Fineness<'_>) -> Size {
