@@ -32,6 +32,7 @@ pub use whole_cell::WholeTurn;
 use crate::cell::{Cell, Coordinate, Layout};
 use crate::geometry::PlanePoint;
 use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
+use rayon::prelude::*;
 
 /// Body that can have a region: the robot base or a piece of equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,9 +128,13 @@ impl Regions {
     pub fn new(workcell: &Workcell, layout: &Layout) -> Option<Self> {
         let held = HeldLayout::new(workcell, layout)?;
         let most = held.objective * (1.0 + workcell.cell.search.indifference);
-        let pieces = piece::movable(&workcell.cell).into_iter();
-        let pieces = pieces.map(|body| piece::MovablePiece::new(&held, most, body).region()).collect();
-        Some(Self { pieces, whole: whole_cell::turn(&held, most) })
+        let bodies = piece::movable(&workcell.cell);
+        let region = |body| piece::MovablePiece::new(&held, most, body).region();
+        let (pieces, whole) = rayon::join(
+            || bodies.into_par_iter().map(region).collect(),
+            || whole_cell::turn(&held, most),
+        );
+        Some(Self { pieces, whole })
     }
 }
 
