@@ -349,7 +349,10 @@ fn the_envelope_volume_of_a_six_axis_arm_agrees_with_monte_carlo() {
         let size = envelope.size(&fine(0.02));
         let (counted, deviation) = monte_carlo(&envelope, low, high, 100_000);
         let off = (size.volume - counted).abs();
-        assert!(size.symmetric && off < size.error + 3.0 * deviation, "{name}: {size:?} {counted} {deviation}");
+        assert!(
+            size.symmetric && off < size.error + 3.0 * deviation,
+            "{name}: {size:?} {counted} {deviation}"
+        );
 
         robot.joints[5].limits = (-0.1, 0.1);
         let held = inverse(&robot);

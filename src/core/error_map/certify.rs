@@ -44,9 +44,8 @@ impl OperationQuery<'_> {
     ) -> Result<Option<f64>, NotCertified> {
         let nominal = self.nominal(target, branch, demand)?;
         let joints = self.joint_box(&nominal, &nominal.frames, &nominal.joints, &[0.0; MAX_JOINTS])?;
-        let Nominal { posture, frames, task, reach, .. } = &nominal;
+        let Nominal { frames, task, .. } = &nominal;
         let mapper = self.placed.mapper;
-        let chain = &mapper.arm.chain;
         self.check_singularity(&joints, task, frames)?;
         let motion = self.motion(frames, &joints, demand);
         if let Some(hit) =
@@ -55,9 +54,38 @@ impl OperationQuery<'_> {
             return Err(NotCertified::Clearance(hit));
         }
         self.certify_lines(&nominal, demand)?;
-        let (Some(Ok(value)), Ok(context)) = (demand.value, &self.context) else { return Ok(None) };
-        let boxed = BoxedPosture { context, posture, frames, target: reach, joints: &joints };
-        Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator)))
+        Ok(self.bound(&nominal, &joints, demand, memory))
+    }
+
+    /// Returns the upper bound that [`Self::certify`] returns. The posture must be certified.
+    ///
+    /// # Errors
+    /// Returns the reason if the posture is certainly not certified.
+    fn bound_of_certified(
+        &self,
+        target: &Vector3<f64>,
+        branch: Option<Branch>,
+        demand: &Demand<'_>,
+        memory: &mut PostureMemory,
+    ) -> Result<Option<f64>, NotCertified> {
+        let nominal = self.nominal(target, branch, demand)?;
+        let joints = self.joint_box(&nominal, &nominal.frames, &nominal.joints, &[0.0; MAX_JOINTS])?;
+        Ok(self.bound(&nominal, &joints, demand, memory))
+    }
+
+    /// Returns an upper bound of the operation's value over all misplacements; None if `demand` asks for no
+    /// bound, or if no bound is known.
+    fn bound(
+        &self,
+        Nominal { posture, frames, reach, .. }: &Nominal,
+        joints: &JointEnclosure,
+        demand: &Demand<'_>,
+        memory: &mut PostureMemory,
+    ) -> Option<f64> {
+        let (Some(Ok(value)), Ok(context)) = (demand.value, &self.context) else { return None };
+        let boxed = BoxedPosture { context, posture, frames, target: reach, joints };
+        let chain = &self.placed.mapper.arm.chain;
+        Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator))
     }
 
     /// Returns the reason why a posture that is usable without misplacements is not certified. Returns None
@@ -228,11 +256,29 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns an upper bound, over all misplacements, of an operation's value at `spot`. Returns None if no
-    /// bound is known.
+    /// Certifies a spot of an operation.
     ///
     /// # Errors
     /// Returns the reason if the spot is not certified.
+    pub fn certify(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        spot: &Spot,
+        demand: &Demand<'_>,
+        workspace: &mut MapperWorkspace,
+    ) -> Result<(), NotCertified> {
+        let demand = Demand { value: None, ..*demand };
+        self.asking_at(operation, spots, spot, workspace, |query, target, branch, memory| {
+            query.certify(target, branch, &demand, memory).map(|_| ())
+        })
+    }
+
+    /// Returns an upper bound, over all misplacements, of an operation's value at a certified spot. Returns
+    /// None if no bound is known.
+    ///
+    /// # Errors
+    /// Returns the reason if the spot is certainly not certified.
     pub fn most(
         &self,
         operation: usize,
@@ -241,12 +287,27 @@ impl PlacedLayout<'_> {
         demand: &Demand<'_>,
         workspace: &mut MapperWorkspace,
     ) -> Result<Option<f64>, NotCertified> {
+        self.asking_at(operation, spots, spot, workspace, |query, target, branch, memory| {
+            query.bound_of_certified(target, branch, demand, memory)
+        })
+    }
+
+    /// Calls `ask` with the query of one operation, the TCP target and the branch at a spot, and the memory of
+    /// this operation in the workspace.
+    fn asking_at<T>(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        spot: &Spot,
+        workspace: &mut MapperWorkspace,
+        ask: impl FnOnce(&OperationQuery<'_>, &Vector3<f64>, Option<Branch>, &mut PostureMemory) -> T,
+    ) -> T {
         let attitudes = std::mem::take(&mut workspace.attitudes);
         let surface = self.surface(operation);
         let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let target = query.setup.grid.target(&query.at, spot.node);
         let memory = workspace.of(self.mapper, operation).postures;
-        let found = query.certify(&target, query.branch_at(&target, spot.branch), demand, memory);
+        let found = ask(&query, &target, query.branch_at(&target, spot.branch), memory);
         workspace.attitudes = query.attitudes;
         found
     }

@@ -72,18 +72,25 @@ impl OperationQuery<'_> {
                 continue;
             }
             let branch = self.branch_to_check(&candidate, memory);
-            if let Some(refusal) = self.refusal(branch.as_ref()) {
-                found.refused = found.refused.or(Some((spot, refusal)));
-                continue;
-            }
-            let Some(why) = self.uncertainty(&target, branch, memory) else {
-                found.free = Some(candidate);
-                break;
+            let uncertainty = self.uncertainty(&target, branch, memory);
+            // A certified posture is also allowed by the motion rules.
+            let refusal = match self.placed.demand.is_some() && uncertainty.is_none() {
+                true => None,
+                false => self.refusal(branch.as_ref()),
             };
-            found.uncertain = found.uncertain.or(Some((spot, why)));
-            uncertain += 1;
-            if uncertain == most_uncertain(self.placed.mapper.arm.inverse.cost()) {
-                break;
+            match (refusal, uncertainty) {
+                (None, None) => {
+                    found.free = Some(candidate);
+                    break;
+                }
+                (Some(refusal), _) => found.refused = found.refused.or(Some((spot, refusal))),
+                (None, Some(why)) => {
+                    found.uncertain = found.uncertain.or(Some((spot, why)));
+                    uncertain += 1;
+                    if uncertain == most_uncertain(self.placed.mapper.arm.inverse.cost()) {
+                        break;
+                    }
+                }
             }
         }
         found
@@ -96,8 +103,11 @@ impl OperationQuery<'_> {
             return false;
         }
         let branch = self.branch_to_check(candidate, memory);
-        self.refusal(branch.as_ref()).is_none()
-            && self.uncertainty(&candidate.target, branch, memory).is_none()
+        match self.placed.demand {
+            // A certified posture is also allowed by the motion rules.
+            Some(_) => self.uncertainty(&candidate.target, branch, memory).is_none(),
+            None => self.refusal(branch.as_ref()).is_none(),
+        }
     }
 
     /// Returns the posture of a candidate; None if the branch does not exist.

@@ -6,7 +6,7 @@ use super::workspace::MapperWorkspace;
 use crate::cell::{Cell, JointVector};
 use crate::clearance::Load;
 use crate::cycle_time::{CycleTime, MotionSequence, RateBounds};
-use crate::motion::{Blocked, OperationPosture, Transfer};
+use crate::motion::{Blocked, Guard, OperationPosture, PathCheck, Transfer};
 
 impl PlacedLayout<'_> {
     /// Plans the transfers between the spots of the operations.
@@ -15,58 +15,88 @@ impl PlacedLayout<'_> {
     ///
     /// If the layout must withstand misplacements, every transfer is certified.
     ///
-    /// No transfers are returned if the cell has no transfer rules, or if an operation has no spot.
+    /// No transfers are returned if the cell has no transfer rules, or if an operation has no spot. See
+    /// [`Self::stops`] for the argument `every`.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
-    pub fn transfers(&self, spots: &[Option<Spot>]) -> Result<Vec<Transfer>, Blocked> {
+    pub fn transfers(
+        &self,
+        spots: &[Option<Spot>],
+        every: &[Option<Vec<Spot>>],
+    ) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        self.stops(spots).map_or(Ok(Vec::new()), |stops| {
-            let check = |ends: [usize; 2], path: &[JointVector], load: Load| match self.demand {
-                Some(demand) => self.certify_transfer(ends, path, load, spots, &demand),
-                None => Ok(()),
-            };
-            guard.transfers(&self.mapper.scene, &self.solids, &stops, &check)
+        self.stops(spots, every).map_or(Ok(Vec::new()), |stops| {
+            let check = self.demand.as_ref().map(|demand| {
+                move |ends: [usize; 2], path: &[JointVector], load: Load| {
+                    self.certify_transfer(ends, path, load, spots, demand)
+                }
+            });
+            let check = check.as_ref().map(|check| check as PathCheck<'_>);
+            guard.transfers(&self.mapper.scene, &self.solids, &stops, check)
         })
     }
 
     /// Returns the postures of all operations in their order; None if an operation has no spot.
     ///
-    /// An operation has one posture at its spot, or one posture at every listed point.
-    pub fn stops(&self, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
+    /// An operation has one posture at its spot, or one posture at every listed point. `every` holds the
+    /// spots that [`Self::every_free`] has found for each operation. If the spots of an operation are
+    /// missing, they are computed.
+    pub fn stops(
+        &self,
+        spots: &[Option<Spot>],
+        every: &[Option<Vec<Spot>>],
+    ) -> Option<Vec<OperationPosture>> {
+        let known = |k: usize| every.get(k)?.as_deref();
         let stops: Option<Vec<Vec<OperationPosture>>> =
-            (0..spots.len()).map(|k| self.stops_of(k, spots)).collect();
+            (0..spots.len()).map(|k| self.stops_of(k, spots, known(k))).collect();
         Some(stops?.concat())
     }
 
-    /// Computes the least time of the motions and operations of the layout. `spots` holds the spots of all
-    /// operations, and `transfers` holds the transfers between them.
+    /// Returns whether the transfers visit every listed point of an operation.
+    pub fn visits_every_point(&self, operation: usize) -> bool {
+        let setup = &self.mapper.setups[operation];
+        let has_transfers = self.mapper.guard.as_ref().is_some_and(Guard::asks_transfers);
+        has_transfers && setup.over.needs_every_node() && setup.grid.is_listed()
+    }
+
+    /// Computes the least time of the motions and operations of the layout. `stops` holds the postures of all
+    /// operations ([`Self::stops`]), and `transfers` holds the transfers between them.
     ///
-    /// Returns None if an operation has no spot, or if the arm cannot follow an approach or a retract.
+    /// Returns None if the arm cannot follow an approach or a retract.
     pub fn cycle_time(
         &self,
         cell: &Cell,
-        spots: &[Option<Spot>],
+        stops: &[OperationPosture],
         transfers: &[Transfer],
         bounds: &RateBounds,
     ) -> Option<CycleTime> {
-        let stops = self.stops(spots)?;
         let (chain, guard) = (self.mapper.chain(), self.mapper.guard.as_ref());
-        MotionSequence { cell, chain, guard, stops: &stops, transfers }.time(bounds)
+        MotionSequence { cell, chain, guard, stops, transfers }.time(bounds)
     }
 
     /// Returns the postures of an operation in their order: at its spot, or at every listed point.
     ///
     /// The nodes of a grid have no order. An operation at every node of a grid therefore has only one posture
-    /// here. This is the posture at the spot, which is the node with the largest value.
-    fn stops_of(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
+    /// here. This is the posture at the spot, which is the node with the largest value. `known` holds the
+    /// spots of all points if they are known.
+    fn stops_of(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        known: Option<&[Spot]>,
+    ) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.needs_every_node() || !setup.grid.is_listed() {
             return Some(vec![self.operation_posture(operation, &spot)?]);
         }
-        let all = self.every_free(operation, spots, &mut MapperWorkspace::default()).ok()?;
-        all.iter().map(|spot| self.operation_posture(operation, spot)).collect()
+        let postures =
+            |all: &[Spot]| all.iter().map(|spot| self.operation_posture(operation, spot)).collect();
+        match known {
+            Some(all) => postures(all),
+            None => postures(&self.every_free(operation, spots, &mut MapperWorkspace::default()).ok()?),
+        }
     }
 }

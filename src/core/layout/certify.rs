@@ -51,7 +51,13 @@ impl Workcell {
             let operation = map.operation;
             let over = self.cell.operations[operation].over;
             let all = match over.needs_every_node() {
-                false => vec![map.spot()?],
+                false => {
+                    let spot = map.spot()?;
+                    if let Err(why) = placed.certify(operation, &spots, &spot, &demand, &mut memory) {
+                        return Some(Err(why));
+                    }
+                    vec![spot]
+                }
                 // The certified posture of a node need not be its least-error posture.
                 true => match placed.every_free(operation, &spots, &mut memory) {
                     Ok(all) => all,

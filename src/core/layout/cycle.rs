@@ -25,6 +25,7 @@ impl Workcell {
         evaluation: &Evaluation,
         spots: &[Option<Spot>],
     ) -> Option<CycleTime> {
-        placed.cycle_time(&self.cell, spots, &evaluation.transfers, self.rates.as_ref().ok()?)
+        let stops = placed.stops(spots, &evaluation.every_node)?;
+        placed.cycle_time(&self.cell, &stops, &evaluation.transfers, self.rates.as_ref().ok()?)
     }
 }

@@ -1,7 +1,7 @@
 //! Evaluation of one layout: overlaps, reach, limits, errors, collisions and the resulting cost.
 
 use super::certify::is_between_solids;
-use super::spot_choice::{SpotMemory, SpotQuery, SpotValue, penalty};
+use super::spot_choice::{SpotChoice, SpotMemory, SpotQuery, SpotValue, penalty};
 use super::workcell::Workcell;
 use crate::cell::{Cell, Layout, Misfit};
 use crate::certificate::Misplacements;
@@ -37,6 +37,9 @@ pub struct Evaluation {
     pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
+    /// Spots of all nodes of each operation that happens at every node, in the order of the nodes. An entry is
+    /// None for any other operation, or if the evaluation does not need these spots.
+    pub every_node: Vec<Option<Vec<Spot>>>,
     /// Transfers between consecutive operations; empty if the cell does not ask for transfers.
     ///
     /// The list is also empty if an overlap, a missing spot or a blocked transfer prevents the transfers.
@@ -66,6 +69,7 @@ impl Evaluation {
             misfit: Some(misfit),
             overlaps: Vec::new(),
             near: Vec::new(),
+            every_node: vec![None; outcomes.len()],
             outcomes,
             transfers: Vec::new(),
             blocked: None,
@@ -120,9 +124,9 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
     let operations = Operations::evaluate(workcell, &placed, memory);
     let overlaps = found.clone();
-    let (transfers, blocked) = transfers(&placed, &overlaps, &operations.spots);
+    let (transfers, blocked) = transfers(&placed, &overlaps, &operations);
     let depth = overlaps.iter().map(|o| o.depth).sum::<f64>().max(near.iter().map(|o| o.depth).sum());
-    let Operations { outcomes, spots, values, most, lost } = operations;
+    let Operations { outcomes, spots, every_node, values, most, lost } = operations;
     let is_apart = depth == 0.0;
     let is_blocked = blocked.is_some();
     let is_feasible = is_apart && !is_blocked && values.len() == outcomes.len();
@@ -136,13 +140,15 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
             workcell.weight() * (INFEASIBLE_PENALTY + depth + blocked + short + lost)
         }
     };
-    Evaluation { misfit: None, overlaps, near, outcomes, transfers, blocked, objective, cost }
+    Evaluation { misfit: None, overlaps, near, outcomes, every_node, transfers, blocked, objective, cost }
 }
 
 /// Outcomes and values of all operations, in their order.
 struct Operations {
     outcomes: Vec<Outcome>,
     spots: Vec<Option<Spot>>,
+    /// Spots of all nodes of each operation ([`Evaluation::every_node`]).
+    every_node: Vec<Option<Vec<Spot>>>,
     /// Values of the operations. An operation without a value is left out.
     values: Vec<f64>,
     /// Value that must be within the limit of the operation, for each entry of `values`.
@@ -156,10 +162,11 @@ impl Operations {
         let count = workcell.cell.operations.len();
         let (outcomes, spots) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let (values, most) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut all = Self { outcomes, spots, values, most, lost: 0.0 };
+        let every_node = Vec::with_capacity(count);
+        let mut all = Self { outcomes, spots, every_node, values, most, lost: 0.0 };
         for operation in 0..count {
             let query = SpotQuery { workcell, placed, operation, spots: &all.spots };
-            let (outcome, value) = query.choose(memory);
+            let SpotChoice { outcome, value, every_node } = query.choose(memory);
             match value {
                 Some(SpotValue::Kept { value, most }) => {
                     all.values.push(value);
@@ -170,6 +177,7 @@ impl Operations {
             }
             all.spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });
             all.outcomes.push(outcome);
+            all.every_node.push(every_node);
         }
         all
     }
@@ -180,12 +188,12 @@ impl Operations {
 fn transfers(
     placed: &PlacedLayout<'_>,
     overlaps: &[Overlap],
-    spots: &[Option<Spot>],
+    Operations { spots, every_node, .. }: &Operations,
 ) -> (Vec<Transfer>, Option<Blocked>) {
     if !overlaps.is_empty() {
         return (Vec::new(), None);
     }
-    match placed.transfers(spots) {
+    match placed.transfers(spots, every_node) {
         Ok(transfers) => (transfers, None),
         Err(blocked) => (Vec::new(), Some(blocked)),
     }

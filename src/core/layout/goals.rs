@@ -73,7 +73,10 @@ impl<'a> WorkingPostures<'a> {
             let joints = |spot: &Spot| Some(placed.operation_posture(k, spot)?.joints);
             spots.push(joints(spot.as_ref()?)?);
             if workcell.cell.operations[k].over.needs_every_node() {
-                let every = placed.every_free(k, &all, &mut memory).ok()?;
+                let every = match &evaluation.every_node[k] {
+                    Some(every) => every.clone(),
+                    None => placed.every_free(k, &all, &mut memory).ok()?,
+                };
                 postures.extend(every.iter().filter_map(|spot| Some((k, joints(spot)?))));
             } else {
                 postures.extend(spots.last().map(|joints| (k, *joints)));

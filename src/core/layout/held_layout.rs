@@ -8,13 +8,14 @@ use super::certify::is_between_solids;
 use super::ending::Ending;
 use super::evaluation::{Evaluation, evaluate};
 use super::objective::combined;
-use super::spot_choice::{Judge, Loss, SpotMemory, SpotQuery, SpotValue};
+use super::spot_choice::{Judge, Loss, SpotChoice, SpotMemory, SpotQuery, SpotValue};
 use super::workcell::Workcell;
 use crate::allocation::NearbyPrice;
 use crate::cell::{Layout, Unit};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot};
+use crate::error_map::{HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot};
+use std::sync::OnceLock;
 
 /// Spot that an operation keeps.
 #[derive(Debug, Clone, Copy)]
@@ -33,25 +34,28 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
+    /// Values of the operations in the layout, computed when they are first needed; None inside if they cannot
+    /// be computed.
+    own: OnceLock<Option<Vec<OperationValue>>>,
     /// Cheapest tolerances of the layout. None if the objective is not a cost of tolerances, or if
     /// [`PlacedLayout::nearby_price`] returns None.
     price: Option<NearbyPrice>,
 }
 
 /// Spot and value of one operation.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct OperationValue {
     spot: Spot,
+    /// Spots of all nodes if the operation happens at every node.
+    every_node: Option<Vec<Spot>>,
     /// Value that counts in the objective (m, rad, share of failures, or cost of tolerances).
     value: f64,
     /// Value that must be within the limit.
     worst: f64,
 }
 
-/// Spot and values of every operation that is independent of a moved piece of equipment.
-///
-/// A judgement with these values is an estimate. The estimate does not check whether the moved equipment
-/// obstructs these operations or the transfers between operations.
+/// Spot and values of every operation that is independent of a moved piece of equipment; None for any other
+/// operation.
 pub struct Uncarried(Vec<Option<OperationValue>>);
 
 /// Memory that one thread reuses from judgement to judgement.
@@ -59,9 +63,15 @@ pub struct Uncarried(Vec<Option<OperationValue>>);
 pub struct HeldMemory {
     overlaps: Vec<Overlap>,
     solids: PlacedSolids,
+    misplacements: Misplacements,
+    spots: JudgementMemory,
+}
+
+/// Memory for the judgement of the spots of one layout.
+#[derive(Default)]
+struct JudgementMemory {
     choice: SpotMemory,
     bounds: MapperWorkspace,
-    misplacements: Misplacements,
 }
 
 impl<'a> HeldLayout<'a> {
@@ -94,7 +104,7 @@ impl<'a> HeldLayout<'a> {
         let kept = spots.iter().map(posture).collect();
         let is_priced = workcell.cell.unit() == Unit::Cost;
         let price = is_priced.then(|| placed.nearby_price(&all, &mut MapperWorkspace::default())).flatten();
-        Some(Self { workcell, layout, objective, spots, kept, price })
+        Some(Self { workcell, layout, objective, spots, kept, price, own: OnceLock::new() })
     }
 
     /// Returns the workcell of the layout.
@@ -116,66 +126,81 @@ impl<'a> HeldLayout<'a> {
     /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
     /// `most`.
     pub fn judge(&self, layout: &Layout, most: f64, memory: &mut HeldMemory) -> Result<f64, Ending> {
-        self.kept_objective(&self.values(layout, most, None, memory)?, most)
+        self.judged(layout, memory, |placed, memory| {
+            Ok(Judgement { held: self, placed, most, known: None, is_estimate: false }.kept(memory)?.1)
+        })
     }
 
-    /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster.
+    /// Estimates the result of [`Self::judge`] for a layout with one moved piece of equipment.
     ///
-    /// `known` holds the values of the operations that are independent of this equipment.
+    /// `known` holds the values of the operations that are independent of this equipment. The estimate does
+    /// not check whether the moved equipment obstructs these operations or the transfers.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.
-    pub fn judge_carried(
+    pub fn estimate_moved(
         &self,
         layout: &Layout,
         most: f64,
-        known: &Uncarried,
+        Uncarried(known): &Uncarried,
         memory: &mut HeldMemory,
     ) -> Result<f64, Ending> {
-        self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
+        self.judged(layout, memory, |placed, memory| {
+            Ok(Judgement { held: self, placed, most, known: Some(known), is_estimate: true }.kept(memory)?.1)
+        })
+    }
+
+    /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster. The judgement
+    /// begins with [`Self::estimate_moved`], and continues with the other operations and the transfers.
+    ///
+    /// # Errors
+    /// Returns the reason as [`Self::judge`] does.
+    pub fn judge_moved(
+        &self,
+        layout: &Layout,
+        most: f64,
+        Uncarried(known): &Uncarried,
+        memory: &mut HeldMemory,
+    ) -> Result<f64, Ending> {
+        self.judged(layout, memory, |placed, memory| {
+            let estimate = Judgement { held: self, placed, most, known: Some(known), is_estimate: true };
+            let (values, _) = estimate.kept(memory)?;
+            let is_carried = known.iter().map(Option::is_none);
+            let carried: Vec<_> = values.into_iter().zip(is_carried).map(|(v, c)| c.then_some(v)).collect();
+            let rest = Judgement { known: Some(&carried), is_estimate: false, ..estimate };
+            Ok(rest.kept(memory)?.1)
+        })
     }
 
     /// Returns the spot and the values of every operation that is independent of the equipment with the index
-    /// `equipment`. The values are computed in the layout whose spots are kept. Returns None if this layout
-    /// is infeasible.
+    /// `equipment`. The values are those of the layout whose spots are kept. Returns None if this layout is
+    /// infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
-        let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
+        let own = || {
+            let most = f64::INFINITY;
+            let found = self.judged(self.layout, memory, |placed, memory| {
+                Judgement { held: self, placed, most, known: None, is_estimate: true }.values(memory)
+            });
+            found.ok().map(|(values, _)| values)
+        };
+        let values = self.own.get_or_init(own).as_ref()?;
         let depends = |k: usize| cell.rides_on(cell.operations[k].equipment, equipment);
         let carried = |k: usize| depends(k) || cell.operations[k].relative_to.is_some_and(depends);
-        Some(Uncarried(values.into_iter().enumerate().map(|(k, v)| (!carried(k)).then_some(v)).collect()))
+        Some(Uncarried(values.iter().enumerate().map(|(k, v)| (!carried(k)).then(|| v.clone())).collect()))
     }
 
-    /// Checks the limits of the operations and the largest objective that is allowed. Returns the
-    /// objective.
-    fn kept_objective(
-        &self,
-        (values, objective): &(Vec<OperationValue>, f64),
-        most: f64,
-    ) -> Result<f64, Ending> {
-        let objective = *objective;
-        if objective > most {
-            return Err(Ending::Objective);
-        }
-        let worst: Vec<f64> = values.iter().map(|v| v.worst).collect();
-        if self.workcell.priced(objective, &worst) != objective {
-            let limits = self.workcell.cell.operations.iter().map(|o| o.limit);
-            let misses = |(limit, worst): (Option<f64>, &f64)| limit.is_some_and(|limit| *worst > limit);
-            return Err(Ending::Limit(limits.zip(&worst).position(misses).unwrap_or(0)));
-        }
-        Ok(objective)
-    }
-
-    /// Returns the spot and the values of every operation in another layout, and the objective. Limits are
-    /// not checked.
-    fn values(
+    /// Places a layout whose floor spaces do not overlap, and passes it to `judge`.
+    ///
+    /// # Errors
+    /// Returns the first overlap of floor spaces, or the error of `judge`.
+    fn judged<T>(
         &self,
         layout: &Layout,
-        most: f64,
-        known: Option<&Uncarried>,
         memory: &mut HeldMemory,
-    ) -> Result<(Vec<OperationValue>, f64), Ending> {
-        let HeldMemory { overlaps, solids, misplacements, .. } = memory;
+        judge: impl FnOnce(&PlacedLayout<'_>, &mut JudgementMemory) -> Result<T, Ending>,
+    ) -> Result<T, Ending> {
+        let HeldMemory { overlaps, solids, misplacements, spots } = memory;
         let workcell = self.workcell;
         if let Some(overlap) = first_overlap(workcell, layout, overlaps) {
             return Err(Ending::Overlap(overlap));
@@ -187,9 +212,8 @@ impl<'a> HeldLayout<'a> {
         let placed =
             PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
         let placed = placed.keeping(&self.kept);
-        let judgement = Judgement { held: self, placed: &placed, most, known };
-        let found = judgement.values(&mut memory.choice, &mut memory.bounds);
-        memory.solids = placed.into_solids();
+        let found = judge(&placed, spots);
+        *solids = placed.into_solids();
         found
     }
 }
@@ -210,19 +234,43 @@ fn first_overlap(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overlap>)
 }
 
 /// Judgement of one placed layout with held spots.
+#[derive(Clone, Copy)]
 struct Judgement<'j, 'a> {
     held: &'j HeldLayout<'a>,
     placed: &'j PlacedLayout<'j>,
+    /// Largest objective that is allowed.
     most: f64,
-    known: Option<&'j Uncarried>,
+    /// Known value of each operation; an operation with a known value is not judged.
+    known: Option<&'j [Option<OperationValue>]>,
+    /// Whether the transfers between operations are left out.
+    is_estimate: bool,
 }
 
 impl Judgement<'_, '_> {
     /// Returns the spot and the values of every operation, and the objective.
+    ///
+    /// # Errors
+    /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
+    /// [`Self::most`].
+    fn kept(&self, memory: &mut JudgementMemory) -> Result<(Vec<OperationValue>, f64), Ending> {
+        let (values, objective) = self.values(memory)?;
+        if objective > self.most {
+            return Err(Ending::Objective);
+        }
+        let workcell = self.held.workcell;
+        let worst: Vec<f64> = values.iter().map(|v| v.worst).collect();
+        if workcell.priced(objective, &worst) != objective {
+            let limits = workcell.cell.operations.iter().map(|o| o.limit);
+            let misses = |(limit, worst): (Option<f64>, &f64)| limit.is_some_and(|limit| *worst > limit);
+            return Err(Ending::Limit(limits.zip(&worst).position(misses).unwrap_or(0)));
+        }
+        Ok((values, objective))
+    }
+
+    /// Returns the spot and the values of every operation, and the objective. Limits are not checked.
     fn values(
         &self,
-        choice: &mut SpotMemory,
-        bounds: &mut MapperWorkspace,
+        JudgementMemory { choice, bounds }: &mut JudgementMemory,
     ) -> Result<(Vec<OperationValue>, f64), Ending> {
         let mut values = self.drawn(choice, bounds)?;
         let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
@@ -264,7 +312,7 @@ impl Judgement<'_, '_> {
         let mut values: Vec<OperationValue> = Vec::with_capacity(count);
         for (k, held) in self.held.spots.iter().enumerate() {
             let found = match (self.known(k), held) {
-                (Some(known), _) => known,
+                (Some(known), _) => known.clone(),
                 (None, HeldSpot::Spot { node, posture }) => {
                     let found = match &self.held.price {
                         Some(_) => self.placed.keeps(k, &spots, posture, bounds).map(|()| 0.0),
@@ -272,15 +320,19 @@ impl Judgement<'_, '_> {
                     };
                     let value = found.map_err(|status| Ending::Posture(k, status))?;
                     let branch = posture.branch_elsewhere(self.held.workcell.inverse());
-                    OperationValue { spot: Spot { node: *node, branch, value }, value, worst: value }
+                    let spot = Spot { node: *node, branch, value };
+                    OperationValue { spot, every_node: None, value, worst: value }
                 }
-                (None, HeldSpot::EveryNode) => match self.query(k, &spots).choose(choice) {
-                    (Outcome::Found(spot), Some(SpotValue::Kept { value, most })) => {
-                        OperationValue { spot, value, worst: most }
+                (None, HeldSpot::EveryNode) => {
+                    let SpotChoice { outcome, value, every_node } = self.query(k, &spots).choose(choice);
+                    match (outcome, value) {
+                        (Outcome::Found(spot), Some(SpotValue::Kept { value, most })) => {
+                            OperationValue { spot, every_node, value, worst: most }
+                        }
+                        (Outcome::Uncertain { why, .. }, _) => return Err(Ending::NotCertified(k, why)),
+                        _ => return Err(Ending::EveryNode(k)),
                     }
-                    (Outcome::Uncertain { why, .. }, _) => return Err(Ending::NotCertified(k, why)),
-                    _ => return Err(Ending::EveryNode(k)),
-                },
+                }
             };
             spots.push(Some(found.spot));
             values.push(found);
@@ -304,7 +356,8 @@ impl Judgement<'_, '_> {
         for (k, posture) in self.judged_spots().filter(|(k, _)| self.placed.has_held_bound(*k)) {
             let value = self.placed.held(k, spots, posture, memory);
             let value = value.map_err(|status| Ending::Posture(k, status))?;
-            values[k] = OperationValue { spot: Spot { value, ..values[k].spot }, value, worst: value };
+            let spot = Spot { value, ..values[k].spot };
+            values[k] = OperationValue { spot, every_node: None, value, worst: value };
         }
         if self.combined(values) > self.most { Err(Ending::Objective) } else { Ok(()) }
     }
@@ -318,18 +371,18 @@ impl Judgement<'_, '_> {
         bounds: &mut MapperWorkspace,
     ) -> Result<(), Ending> {
         for (k, posture) in self.judged_spots() {
-            if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
-                values[k] = OperationValue { value, worst, ..values[k] };
-            }
-            // A certified posture is also collision-free without misplacements, so an estimate does not check
-            // collisions again.
-            if self.known.is_none() || self.placed.demand().is_none() {
+            // A certified posture can also be used without misplacements.
+            if self.placed.demand().is_none() {
                 let free = self.placed.keeps_free(k, spots, posture, bounds);
                 free.map_err(|status| Ending::Posture(k, status))?;
             }
+            if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
+                (values[k].value, values[k].worst) = (value, worst);
+            }
         }
-        if self.known.is_none() {
-            self.placed.transfers(spots).map_err(Ending::Transfer)?;
+        if !self.is_estimate {
+            let every: Vec<_> = values.iter().map(|v| v.every_node.clone()).collect();
+            self.placed.transfers(spots, &every).map_err(Ending::Transfer)?;
         }
         Ok(())
     }
@@ -343,8 +396,8 @@ impl Judgement<'_, '_> {
     }
 
     /// Returns the known value of an operation; None if the value is not known.
-    fn known(&self, operation: usize) -> Option<OperationValue> {
-        self.known.and_then(|known| known.0[operation])
+    fn known(&self, operation: usize) -> Option<&OperationValue> {
+        self.known?[operation].as_ref()
     }
 
     fn query<'q>(&'q self, operation: usize, spots: &'q [Option<Spot>]) -> SpotQuery<'q> {
@@ -364,10 +417,9 @@ impl Judgement<'_, '_> {
         let Some(demand) = self.placed.demand() else { return Ok(None) };
         let query = self.query(operation, spots);
         let refused = |why: NotCertified| Ending::NotCertified(operation, why);
+        self.placed.certify(operation, spots, spot, &demand, memory).map_err(refused)?;
         if !query.needs_bound() {
-            let demand = Demand { value: None, ..demand };
-            let found = self.placed.most(operation, spots, spot, &demand, memory);
-            return found.map(|_| None).map_err(refused);
+            return Ok(None);
         }
         match Judge::new(&query, demand, memory).value(spot.value, &[*spot]) {
             SpotValue::Kept { value, most } => Ok(Some((value, most))),

@@ -31,10 +31,9 @@ impl Workcell {
                 map.block(*overlap);
             } else if demand.is_some() && map.best.is_some() {
                 let query = SpotQuery { workcell: self, placed: &strict, operation: k, spots: &spots };
-                if let (Outcome::Found(spot), _) = query.choose(&mut memory) {
-                    let all =
-                        operation.over.needs_every_node().then(|| memory.every_free(&strict, k, &spots));
-                    let chosen = all.flatten().unwrap_or_else(|| vec![spot]);
+                let choice = query.choose(&mut memory);
+                if let Outcome::Found(spot) = choice.outcome {
+                    let chosen = choice.every_node.unwrap_or_else(|| vec![spot]);
                     placed.show(&mut map, &spots, &chosen);
                     (map.best, map.value) = (Some(spot.node), Some(spot.value));
                 }
@@ -82,8 +81,8 @@ impl Workcell {
             let query = SpotQuery { workcell: self, placed: &strict, operation: k, spots: &spots };
             let spot = match overlap {
                 Some(_) => None,
-                None => match query.choose(&mut memory) {
-                    (Outcome::Found(spot), _) => Some(spot),
+                None => match query.choose(&mut memory).outcome {
+                    Outcome::Found(spot) => Some(spot),
                     _ => None,
                 },
             };

@@ -50,15 +50,21 @@ impl SpotMemory {
     pub fn mapper(&mut self) -> &mut MapperWorkspace {
         &mut self.mapper
     }
+}
 
-    /// Returns the usable spot of every node of an operation; None if a node has no usable spot.
-    pub fn every_free(
-        &mut self,
-        placed: &PlacedLayout<'_>,
-        operation: usize,
-        spots: &[Option<Spot>],
-    ) -> Option<Vec<Spot>> {
-        placed.every_free(operation, spots, &mut self.mapper).ok()
+/// Chosen spot of an operation.
+pub struct SpotChoice {
+    pub outcome: Outcome,
+    /// Contribution to the objective; None if the operation has no spot.
+    pub value: Option<SpotValue>,
+    /// Usable spots of all nodes of an operation that happens at every node. None for any other operation, or
+    /// if the choice does not need these spots.
+    pub every_node: Option<Vec<Spot>>,
+}
+
+impl SpotChoice {
+    fn new(outcome: Outcome, value: Option<SpotValue>) -> Self {
+        Self { outcome, value, every_node: None }
     }
 }
 
@@ -96,24 +102,30 @@ impl Loss {
 }
 
 impl SpotQuery<'_> {
-    /// Chooses the spot of the operation, and returns its contribution to the objective.
-    pub fn choose(&self, memory: &mut SpotMemory) -> (Outcome, Option<SpotValue>) {
+    /// Chooses the spot of the operation.
+    pub fn choose(&self, memory: &mut SpotMemory) -> SpotChoice {
         let SpotMemory { mapper, bounds } = memory;
         let SpotQuery { workcell, placed, operation, spots } = *self;
         let demand = placed.demand().filter(|_| self.needs_bound());
-        if let Some(demand) = demand.filter(|_| workcell.cell.operations[operation].over.needs_every_node()) {
+        let nominal = |value: f64| SpotValue::Kept { value, most: value };
+        let needs_every_node = workcell.cell.operations[operation].over.needs_every_node();
+        if needs_every_node && (placed.demand().is_some() || placed.visits_every_point(operation)) {
             let all = match placed.every_free(operation, spots, mapper) {
                 Ok(all) => all,
-                Err(why) => return (why, None),
+                Err(why) => return SpotChoice::new(why, None),
             };
             let outcome = placed.value_of_all(operation, &all);
-            let Outcome::Found(worst) = outcome else { return (outcome, None) };
-            return (outcome, Some(Judge::new(self, demand, bounds).value(worst.value, &all)));
+            let Outcome::Found(worst) = outcome else { return SpotChoice::new(outcome, None) };
+            let value = match demand {
+                Some(demand) => Judge::new(self, demand, bounds).value(worst.value, &all),
+                None => nominal(worst.value),
+            };
+            return SpotChoice { every_node: Some(all), ..SpotChoice::new(outcome, Some(value)) };
         }
         let outcome = placed.outcome(operation, spots, mapper);
-        let Outcome::Found(first) = outcome else { return (outcome, None) };
+        let Outcome::Found(first) = outcome else { return SpotChoice::new(outcome, None) };
         let Some(demand) = demand else {
-            return (outcome, Some(SpotValue::Kept { value: first.value, most: first.value }));
+            return SpotChoice::new(outcome, Some(nominal(first.value)));
         };
         let mut judge = Judge::new(self, demand, bounds);
         let robust = workcell.cell.search.robust;
@@ -133,7 +145,7 @@ impl SpotQuery<'_> {
                 true
             });
         }
-        (Outcome::Found(best.0), Some(best.1))
+        SpotChoice::new(Outcome::Found(best.0), Some(best.1))
     }
 
     /// Returns whether the objective or a limit depends on the value at the misplacements.
@@ -170,7 +182,7 @@ impl<'a, 'm> Judge<'a, 'm> {
         Self { query, demand, memory }
     }
 
-    /// Returns the value of the operation at the spots `at`. `drawn` is the nominal value, without
+    /// Returns the value of the operation at the certified spots `at`. `drawn` is the nominal value, without
     /// misplacements.
     pub fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
         let SpotQuery { workcell, placed, operation, spots } = *self.query;

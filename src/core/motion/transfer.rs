@@ -64,7 +64,7 @@ pub struct Blocked {
     pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
-/// Further check of a collision-free path from one operation to the next.
+/// Check of a path from one operation to the next. A path that passes the check is collision-free.
 ///
 /// The arguments are the indices of the two operations, the joint vectors of the path, and the held parts.
 /// The check returns the hindrance if the path cannot be used.
@@ -88,7 +88,7 @@ impl Guard {
         scene: &Scene,
         placed: &PlacedSolids,
         stances: &[OperationPosture],
-        check: PathCheck<'_>,
+        check: Option<PathCheck<'_>>,
     ) -> Result<Vec<Transfer>, Blocked> {
         let mut found: Vec<Transfer> = Vec::new();
         let (Some(rules), Some(first)) = (&self.transfer, stances.first()) else { return Ok(found) };
@@ -112,7 +112,7 @@ impl Guard {
     /// Returns the first collision-free transfer between two operations.
     ///
     /// The collision check includes the held parts of both operations. Paths that `check` refuses are not
-    /// used.
+    /// used. Without `check`, a path must only be collision-free.
     ///
     /// # Errors
     /// Returns the hindrances on all routes if no route can be used.
@@ -122,7 +122,7 @@ impl Guard {
         placed: &PlacedSolids,
         from: &OperationPosture,
         to: &OperationPosture,
-        check: PathCheck<'_>,
+        check: Option<PathCheck<'_>>,
     ) -> Result<Transfer, Blocked> {
         let mut tries = Vec::new();
         let blocked = |tries| Blocked { from: from.operation, to: to.operation, tries };
@@ -142,9 +142,13 @@ impl Guard {
                     continue;
                 }
             };
-            let hindrance = match self.first_hit(scene, placed, &path, load) {
-                Some(hit) => Some(Hindrance::Hit(hit)),
-                None => check([from.operation, to.operation], &path, load).err(),
+            let first_hit = || self.first_hit(scene, placed, &path, load).map(Hindrance::Hit);
+            let hindrance = match check {
+                None => first_hit(),
+                Some(check) => match check([from.operation, to.operation], &path, load) {
+                    Ok(()) => None,
+                    Err(why) => Some(first_hit().unwrap_or(why)),
+                },
             };
             match hindrance {
                 Some(hindrance) => tries.push((way, hindrance)),

@@ -130,10 +130,8 @@ impl Regions {
         let most = held.objective * (1.0 + workcell.cell.search.indifference);
         let bodies = piece::movable(&workcell.cell);
         let region = |body| piece::MovablePiece::new(&held, most, body).region();
-        let (pieces, whole) = rayon::join(
-            || bodies.into_par_iter().map(region).collect(),
-            || whole_cell::turn(&held, most),
-        );
+        let (pieces, whole) =
+            rayon::join(|| bodies.into_par_iter().map(region).collect(), || whole_cell::turn(&held, most));
         Some(Self { pieces, whole })
     }
 }

@@ -162,15 +162,12 @@ impl<'a> MovablePiece<'a> {
         let own = self.own.values();
         let moves: Moves = at.iter().map(|(axis, value)| (self.slot(*axis), value - own[*axis])).collect();
         let layout = cell.misplaced(layout, &moves);
-        let estimated =
-            |known, memory: &mut HeldMemory| self.held.judge_carried(&layout, self.most, known, memory);
-        if let Some(known) = uncarried {
-            return estimated(known, memory).map_err(RoomEnd::Held);
-        }
-        if let Some(known) = &self.uncarried {
-            estimated(known, memory).map_err(RoomEnd::Held)?;
-        }
-        self.held.judge(&layout, self.most, memory).map_err(RoomEnd::Held)
+        let judged = match (uncarried, &self.uncarried) {
+            (Some(known), _) => self.held.estimate_moved(&layout, self.most, known, memory),
+            (None, Some(known)) => self.held.judge_moved(&layout, self.most, known, memory),
+            (None, None) => self.held.judge(&layout, self.most, memory),
+        };
+        judged.map_err(RoomEnd::Held)
     }
 
     /// Returns the interval around the found value of one coordinate in which the layout is accepted.
