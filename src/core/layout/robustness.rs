@@ -20,9 +20,11 @@
 //!   checked at its corners, and at the middles of its edges and facets. A facet of a box with n dimensions
 //!   has n - 1 dimensions. A displacement is checked in 16
 //!   directions, and a yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails.
-//!   Bisection follows. A failure that occurs only between two checked sizes is missed.
+//!   Bisection finds the size at which this check ends. If another check fails at this size, bisection is
+//!   repeated for that check. A failure that occurs only between two checked sizes is missed. A certified
+//!   operation needs no check up to the tolerances themselves ([`crate::certificate`]).
 
-use super::certify::is_between_solids;
+use super::certify::{OperationCertificate, is_between_solids};
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
 use crate::cell::{Layout, Slot};
@@ -143,6 +145,8 @@ struct HeldOperation<'a> {
     /// Spots of all operations.
     spots: Vec<Option<Spot>>,
     limit: Option<f64>,
+    /// Whether the operation is certified at every misplacement within the tolerances, with its limit.
+    is_certified: bool,
 }
 
 impl Workcell {
@@ -155,9 +159,19 @@ impl Workcell {
             return vec![None; maps.len()];
         }
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
-        let all =
-            maps.iter().map(|map| map.value.map(|value| self.held(layout, map, &spots).robustness(value)));
-        all.collect()
+        let certificate = self.certificate(layout, maps);
+        let robustness = |map: &OperationMap| {
+            let held = self.held(layout, map, &spots);
+            let most = match certificate.operations[map.operation] {
+                Some(Ok(OperationCertificate { most })) if certificate.overlaps.is_empty() => Some(most),
+                _ => None,
+            };
+            let keeps_limit =
+                |most: Option<f64>| held.limit.is_none_or(|limit| most.is_some_and(|most| most <= limit));
+            let is_certified = most.is_some_and(keeps_limit);
+            Some(HeldOperation { is_certified, ..held }.robustness(map.value?))
+        };
+        maps.iter().map(robustness).collect()
     }
 
     /// Computes the value of an operation if bodies are misplaced, given the maps of the layout without
@@ -185,7 +199,8 @@ impl Workcell {
     ) -> HeldOperation<'a> {
         let limit = self.cell.operations[map.operation].limit.filter(|_| self.cell.unit().is_error());
         let (held, spots) = (self.held_nodes(layout, map), spots.to_vec());
-        HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit }
+        let is_certified = false;
+        HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit, is_certified }
     }
 }
 
@@ -210,12 +225,9 @@ impl HeldOperation<'_> {
             }
         }
         let scale = (!corners.is_empty()).then(|| {
-            largest(MAX_SCALE, |scale| {
-                let mut moves = boxes.moves(scale, BoxPoints::Surface);
-                let scaled = uphill.iter().map(|(slot, by)| (*slot, scale * by)).collect();
-                moves.extend((!boxes.is_whole()).then_some(scaled));
-                self.first_end(&moves)
-            })
+            let mut box_points = boxes.moves(1.0, BoxPoints::Surface);
+            box_points.extend((!boxes.is_whole()).then_some(uphill));
+            self.largest(if self.is_certified { 1.0 } else { 0.0 }, MAX_SCALE, &box_points)
         });
         let (shift, turn) = (self.shift(), self.turn());
         let (corners, worst) = (corners.len(), worst.filter(|_| !tolerance.is_empty()));
@@ -227,37 +239,81 @@ impl HeldOperation<'_> {
     }
 
     fn shift(&self) -> Largest {
-        let found = largest(MAX_SHIFT, |distance| {
-            let moves = (0..DIRECTIONS).map(|k| {
-                let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
-                vec![(self.equipment(0), distance * cos), (self.equipment(1), distance * sin)]
-            });
-            self.first_end(&moves.collect::<Vec<_>>())
+        let directions = (0..DIRECTIONS).map(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).sin_cos();
+            vec![(self.equipment(0), cos), (self.equipment(1), sin)]
         });
+        let found = self.largest(0.0, MAX_SHIFT, &directions.collect::<Vec<_>>());
         Largest { most: found.most * DIRECTION_FACTOR, ..found }
     }
 
     fn turn(&self) -> Largest {
-        largest(rad_from_deg(MAX_TURN_DEG), |turn| {
-            self.first_end(&[turn, -turn].map(|turn| vec![(self.equipment(3), turn)]))
-        })
+        let both = [1.0, -1.0].map(|turn| vec![(self.equipment(3), turn)]);
+        self.largest(0.0, rad_from_deg(MAX_TURN_DEG), &both)
     }
 
-    /// Returns the first misplacement that is not allowed, with the reason; None if all are allowed.
-    fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
+    /// Finds the largest size of a misplacement, up to `max`, at which all misplacements are allowed.
+    ///
+    /// The misplacements of a size are the misplacements in `unit`, multiplied by the size. All misplacements
+    /// up to the size `certified` are allowed, and are not checked.
+    fn largest(&self, certified: f64, max: f64, unit: &[Moves]) -> Largest {
+        let ends = |size: f64| self.first_end(unit, size);
+        if certified == 0.0
+            && let Some((_, ended)) = ends(0.0)
+        {
+            return Largest { most: 0.0, ended: Some(ended) };
+        }
+        let mut most = certified;
+        let sizes = (0..=SCALE_STEPS).rev().map(|stride| max / STRIDE.powi(stride));
+        let first = sizes.filter(|size| *size > certified).find_map(|size| match ends(size) {
+            Some(ended) => Some((size, ended)),
+            None => {
+                most = size;
+                None
+            }
+        });
+        let Some((mut beyond, (mut failing, mut ended))) = first else {
+            return Largest { most, ended: None };
+        };
+        // At the size `most`, all misplacements are allowed. At the size `beyond`, the misplacement with the
+        // index `failing` is not allowed.
+        loop {
+            let mut allowed = most;
+            for _ in 0..BISECTIONS {
+                let middle = (allowed + beyond) / 2.0;
+                match self.first_end(&unit[failing..=failing], middle) {
+                    Some((_, sooner)) => (beyond, ended) = (middle, sooner),
+                    None => allowed = middle,
+                }
+            }
+            match ends(allowed) {
+                Some((other, sooner)) if allowed > most => {
+                    (beyond, failing, ended) = (allowed, other, sooner)
+                }
+                _ => return Largest { most: allowed, ended: Some(ended) },
+            }
+        }
+    }
+
+    /// Returns the index of the first misplacement that is not allowed, and the reason; None if all are
+    /// allowed. The checked misplacements are those in `unit`, multiplied by `size`.
+    fn first_end(&self, unit: &[Moves], size: f64) -> Option<(usize, MisplacementEnd)> {
         // Without a limit, only the postures count.
         let ask: AskHeld = match self.limit {
             Some(_) => |probe, held| probe.holding(held),
             None => |probe, held| probe.keeps_free(held).map(|()| 0.0),
         };
-        let end = |memory: &mut MapperWorkspace, moves: &Moves| match self.asked(moves, memory, ask) {
-            Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
-            Ok(value) => self
-                .limit
-                .filter(|limit| value > *limit)
-                .map(|_| MisplacementEnd::Limit(Corner { moves: moves.clone(), value })),
+        let end = |memory: &mut MapperWorkspace, (k, moves): (usize, &Moves)| {
+            let moves: Moves = moves.iter().map(|(slot, by)| (*slot, size * by)).collect();
+            match (self.asked(&moves, memory, ask), self.limit) {
+                (Err(status), _) => Some((k, MisplacementEnd::Lost(Lost { moves, status }))),
+                (Ok(value), Some(limit)) if value > limit => {
+                    Some((k, MisplacementEnd::Limit(Corner { moves, value })))
+                }
+                _ => None,
+            }
         };
-        all.par_iter().map_init(Default::default, end).find_map_first(|end| end)
+        unit.par_iter().enumerate().map_init(Default::default, end).find_map_first(|end| end)
     }
 
     /// Computes the value at a misplacement.
@@ -320,31 +376,4 @@ impl HeldOperation<'_> {
 fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves {
     let slope = |slot: Slot| gradient.iter().find(|(s, _)| *s == slot).and_then(|(_, g)| *g).unwrap_or(0.0);
     tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
-}
-
-/// Finds the largest size of a misplacement, up to `max`, for which `ends` returns None.
-fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
-    if let Some(ended) = ends(0.0) {
-        return Largest { most: 0.0, ended: Some(ended) };
-    }
-    let (mut most, mut first) = (0.0, None);
-    for stride in (0..=SCALE_STEPS).rev() {
-        let scale = max / STRIDE.powi(stride);
-        match ends(scale) {
-            Some(ended) => {
-                first = Some((scale, ended));
-                break;
-            }
-            None => most = scale,
-        }
-    }
-    let Some((mut beyond, mut ended)) = first else { return Largest { most, ended: None } };
-    for _ in 0..BISECTIONS {
-        let middle = (most + beyond) / 2.0;
-        match ends(middle) {
-            Some(sooner) => (beyond, ended) = (middle, sooner),
-            None => most = middle,
-        }
-    }
-    Largest { most, ended: Some(ended) }
 }
