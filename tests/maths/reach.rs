@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use sweetspot::cell::{Attitude, Azimuth, JointKind, JointVector, Robot, Spin, held, tool_columns};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{Inverse, Reach};
+use sweetspot::reach::{FamilyReach, Inverse, Reach, ToolAttitudes};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
@@ -158,4 +158,65 @@ fn the_inverse_finds_poses_of_the_forward_kinematics() {
         );
         assert!(t.outside == 0 && t.worst < ROUND_TRIP, "{stem}: {} outside, {:e} off", t.outside, t.worst);
     }
+}
+
+/// Returns the usable branches of a target, as spin families and values between the samples give them, and
+/// whether the families are complete.
+fn by_families(arm: &Inverse, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> (Vec<u64>, bool) {
+    let (mut families, mut found, mut scratch) = (Vec::new(), Vec::new(), arm.scratch());
+    let reach = arm.visit_families(target, attitudes, &mut scratch, |index, posture| {
+        families.push((index, *posture));
+    });
+    match reach {
+        FamilyReach::Complete => {
+            for (index, posture) in &families {
+                let family = (*index, posture);
+                arm.members(target, attitudes, &mut scratch, family, |index, _| found.push(index));
+            }
+        }
+        FamilyReach::OnlyBetweenSamples { is_solved } => {
+            arm.visit_between_samples(target, attitudes, is_solved, &mut |index, _| found.push(index));
+        }
+    }
+    found.sort_unstable();
+    (found, reach == FamilyReach::Complete)
+}
+
+/// The faster search of a redundant arm leaves out values that certainly have no usable branch. It finds the
+/// branches of the slower search, which also measures how far a target is out of reach.
+#[test]
+fn both_searches_of_a_redundant_arm_find_the_same_branches() {
+    let redundant = ["franka_panda", "kinova_gen3", "kuka_iiwa14", "puma560_on_track"];
+    let arms = robots().into_iter().filter(|(stem, _)| redundant.contains(&stem.as_str()));
+    let mut rng = ChaCha8Rng::seed_from_u64(19);
+    let (mut between, mut nothing, mut count) = (0, 0, 0);
+    for (stem, robot) in arms {
+        count += 1;
+        let chain = Chain::new(&robot);
+        let arm = Inverse::new(&chain);
+        for k in 0..poses(250) {
+            // A pose of the arm may be reached only between the samples. Many other targets are out of reach.
+            let (target, attitude) = if k % 2 == 0 {
+                let pose = chain.forward(&chain.posture(&random_joints(&robot, &mut rng)));
+                let columns = pose.rotation * tool_columns(&robot.tool_axis);
+                (pose.translation, asked(&arm, attitude_of(&columns)))
+            } else {
+                let way = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0f64)).normalize();
+                let spin = Spin::At(vec![0.0, rng.random_range(0.0..TAU)]);
+                let elevation = rng.random_range(-1.57..0.3f64);
+                let attitude = Attitude { spin, ..Attitude::elevation(elevation) };
+                (way * robot.reach() * rng.random_range(0.3..1.0), attitude)
+            };
+            let attitudes = arm.tool_attitudes(&attitude, 0.0);
+            let mut all = Vec::new();
+            let gap = arm.visit(&target, &attitudes, &mut arm.scratch(), |index, _| all.push(index));
+            all.sort_unstable();
+            let (found, is_complete) = by_families(&arm, &target, &attitudes);
+            assert_eq!(found, all, "{stem} {target} {attitude:?} {gap:?}");
+            between += usize::from(!is_complete && !found.is_empty());
+            nothing += usize::from(is_complete && found.is_empty());
+        }
+    }
+    println!("{between} targets are reached only between the samples, {nothing} are certainly out of reach");
+    assert!(count == redundant.len() && between > 10 && nothing > 100, "{count} {between} {nothing}");
 }

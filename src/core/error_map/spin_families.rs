@@ -13,6 +13,7 @@ use super::outcome::{Outcome, Spot};
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{PostureMemory, WalkMemory};
 use crate::clearance::ArmPart;
+use crate::reach::FamilyReach;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
 
@@ -76,15 +77,16 @@ impl OperationQuery<'_> {
         let PostureMemory { scratch, frames, posture, firsts, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
         let spins = self.attitudes.spin_rotations();
-        let is_reached = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
+        let reach = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
             arm.chain.place(posture, frames);
             let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
             families.push(SpinFamily { bound, node, branch, first: firsts.len(), member: None, target });
             firsts.push(*posture);
         });
-        if !is_reached {
+        if let FamilyReach::OnlyBetweenSamples { .. } = reach {
             families.truncate(count);
-            self.visit(node, target, memory, others);
+            let known = if V::NEEDS_GAP { FamilyReach::Complete } else { reach };
+            self.visit_branches(known, node, target, memory, others);
         }
     }
 

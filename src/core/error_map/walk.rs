@@ -15,9 +15,9 @@ use super::outcome::{Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::workspace::PostureMemory;
 use crate::cell::Placement;
-use crate::reach::{Branch, Gap, Reach, ToolAttitudes};
+use crate::reach::{Branch, FamilyReach, Gap, Reach, ToolAttitudes};
 use crate::reading::WorkContext;
-use crate::robot::Frames;
+use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
 /// One operation in one placed layout, ready to judge postures.
@@ -43,6 +43,10 @@ pub trait PostureVisitor {
     /// the spot.
     const JUDGES_TOUCHED: bool = false;
 
+    /// Whether [`VisitedNode::missed`] of a redundant arm is needed. Without this measure, an unreached node
+    /// takes much less time.
+    const NEEDS_GAP: bool = true;
+
     /// Whether candidates may carry a lower bound of their value. A bound replaces the value only if the
     /// value takes much longer to compute.
     const TAKES_BOUNDS: bool = false;
@@ -67,6 +71,8 @@ pub struct VisitedNode {
 }
 
 impl PostureVisitor for Vec<PostureCandidate> {
+    const NEEDS_GAP: bool = false;
+
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.push(candidate);
     }
@@ -113,6 +119,21 @@ impl<'a> OperationQuery<'a> {
         memory: &mut PostureMemory,
         visitor: &mut V,
     ) {
+        self.visit_branches(FamilyReach::Complete, node, target, memory, visitor);
+    }
+
+    /// Visits one node, and judges every branch within the joint limits. The branches of a redundant arm at
+    /// the sampled values of the redundant joint are left out if `known` states that none of them is usable.
+    /// [`VisitedNode::missed`] is then not the actual gap.
+    #[inline]
+    pub fn visit_branches<V: PostureVisitor>(
+        &self,
+        known: FamilyReach,
+        node: usize,
+        target: Vector3<f64>,
+        memory: &mut PostureMemory,
+        visitor: &mut V,
+    ) {
         let arm = &self.placed.mapper.arm;
         let PostureMemory { scratch, frames, posture, .. } = memory;
         let context = self.context.as_ref().ok();
@@ -121,7 +142,7 @@ impl<'a> OperationQuery<'a> {
         let takes_bounds = V::TAKES_BOUNDS && self.placed.mapper.has_bounds(self.operation);
         let certainty = if takes_bounds { Certainty::RoughBound } else { Certainty::Value };
         let mut before = None;
-        let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
+        let mut judge = |branch: u64, posture: &Posture| {
             reached = true;
             if let Some(context) = context {
                 arm.chain.place(posture, frames);
@@ -134,7 +155,15 @@ impl<'a> OperationQuery<'a> {
                 let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
                 visitor.candidate(PostureCandidate { spot, target, contact, certainty, first: None });
             }
-        });
+        };
+        let (inverse, attitudes) = (&arm.inverse, &self.attitudes);
+        let gap = match known {
+            FamilyReach::Complete => inverse.visit(&target, attitudes, posture, &mut judge),
+            FamilyReach::OnlyBetweenSamples { is_solved } => {
+                inverse.visit_between_samples(&target, attitudes, is_solved, &mut judge);
+                Gap::ALL
+            }
+        };
         let missed = (!reached).then_some(gap);
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }

@@ -61,8 +61,59 @@ impl HeldTarget<'_> {
             (*gap, usable) = self.gap_near(&self.joint.sample(SCAN_STEP * k), near, found);
             any |= usable;
         }
-        let mut least = Gap::ALL;
+        if any { (Gap::ALL, true) } else { self.search_around_minima(&gaps, near, |_| true, found) }
+    }
+
+    /// Searches for usable postures like [`Self::search_between`], but leaves out the parts of the range that
+    /// certainly have none.
+    ///
+    /// The distance of the target from the reachable points is a Lipschitz function of the redundant joint's
+    /// value. Between two scanned values, the distance is therefore greater than 0 if the sum of the two
+    /// distances exceeds the Lipschitz constant times the scan step. Lower bounds of the distances suffice for
+    /// this test.
+    pub fn find_between(&self, found: &mut dyn FnMut(u64, &Posture)) {
+        let flange = self.inverse.flange(self.first, self.target, self.attitudes);
+        let [near, travel] = [self.joint.most_travel(&flange), self.joint.travel(&flange)]
+            .map(|travel| travel * f64::from(SCAN_STEP));
+        let (mut gaps, mut any) = ([Gap::ALL; SCAN], false);
+        for (k, gap) in (0..).zip(&mut gaps) {
+            let usable;
+            (*gap, usable) = self.gap(&self.joint.sample(SCAN_STEP * k), found);
+            any |= usable;
+        }
+        if any {
+            return;
+        }
+        let mut is_possible = [false; SCAN];
+        for k in 1..SCAN {
+            if gaps[k - 1].reach + gaps[k].reach <= travel {
+                (is_possible[k - 1], is_possible[k]) = (true, true);
+            }
+        }
         for k in 0..SCAN {
+            let is_needed = is_possible[k.saturating_sub(1)..(k + 2).min(SCAN)].contains(&true);
+            if is_needed && gaps[k].reach > 0.0 && gaps[k].reach < near {
+                let sample = self.joint.sample(SCAN_STEP * k as u32);
+                gaps[k].reach = self.inverse.held_distance(&sample, self.first, self.target, self.attitudes);
+            }
+        }
+        self.search_around_minima(&gaps, near, |k| is_possible[k], found);
+    }
+
+    /// Searches around each scanned value whose gap is not larger than the gaps of its neighbours, if
+    /// `is_possible` holds for its index. Returns the least gap found, and whether a usable posture was found.
+    ///
+    /// `gaps` holds the gaps at the scanned values. Values at which the target is farther out of reach than
+    /// `near` (m) are left out.
+    fn search_around_minima(
+        &self,
+        gaps: &[Gap; SCAN],
+        near: f64,
+        is_possible: impl Fn(usize) -> bool,
+        found: &mut dyn FnMut(u64, &Posture),
+    ) -> (Gap, bool) {
+        let (mut least, mut any) = (Gap::ALL, false);
+        for k in (0..SCAN).filter(|k| is_possible(*k)) {
             let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
             let is_far = gaps[k].reach > near || gaps[k].limits > HOPELESS;
             if any || is_far || k > 0 && !higher(k - 1) || k + 1 < SCAN && !higher(k + 1) {

@@ -7,7 +7,9 @@ use super::closed_form::scara::Scara;
 use super::closed_form::spherical_wrist::SphericalWrist;
 use super::closed_form::three_parallel::ThreeParallel;
 use crate::pose::Pose;
+use crate::reach::Shell;
 use crate::robot::{Chain, Posture};
+use nalgebra::Vector3;
 
 /// Number of sampled postures on which a solver is tested.
 const TRIALS: usize = 16;
@@ -98,6 +100,24 @@ impl ExactSolver {
         match self {
             Self::SphericalWrist(arm) => arm.bound(flange),
             Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => 0.0,
+        }
+    }
+
+    /// Returns a shell that contains every reachable position of the point that [`Self::centre`] returns;
+    /// None if no shell is known.
+    pub fn shell(&self) -> Option<Shell> {
+        match self {
+            Self::SphericalWrist(arm) => arm.shell(),
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => None,
+        }
+    }
+
+    /// Returns the point whose distance from the reachable points [`Self::solve`] returns, m; None if the
+    /// point is not known.
+    pub fn centre(&self, flange: &Pose) -> Option<Vector3<f64>> {
+        match self {
+            Self::SphericalWrist(arm) => Some(arm.centre(flange)),
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => None,
         }
     }
 

@@ -4,7 +4,13 @@ use super::pose_solver::PoseSolver;
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Length, m, by which a target must be outside the shell of a solver, so that it is certainly out of reach.
+const SHELL_MARGIN: f64 = 1e-6;
+
+/// Relative allowance for rounding errors of [`HeldJoint::travel`].
+const ROUNDING: f64 = 1e-9;
 
 /// Redundancy resolution of one arm. The redundant joint is held at sampled values, and a closed form or a
 /// refined closed form solves the other joints.
@@ -165,6 +171,57 @@ impl HeldJoint {
             (JointKind::Revolute, true) => step * (reach + self.lead).max(own + self.foot),
             (JointKind::Revolute, false) => step * (own + self.lead.max(reach + self.foot)),
         }
+    }
+
+    /// Returns an upper bound like [`Self::most_travel`]. The bound is exact if the solver of the other joints
+    /// knows the point, because a revolute redundant joint then moves the point on a circle.
+    pub fn travel(&self, flange: &Pose) -> f64 {
+        let most = self.most_travel(flange);
+        let opposite = [0.0, PI].map(|value| self.solver.centre(&self.rest_of(flange, &self.at(value).1)));
+        match (self.link.kind, opposite) {
+            (JointKind::Revolute, [Some(a), Some(b)]) => {
+                let step = (self.range.1 - self.range.0) / f64::from(Self::LATTICE);
+                most.min((1.0 + ROUNDING) * step * (a - b).norm() / 2.0)
+            }
+            _ => most,
+        }
+    }
+
+    /// Returns whether the target is certainly out of reach at every value of the redundant joint.
+    ///
+    /// The squared distance of the solver's point from the centre of its [shell](PoseSolver::shell) is a
+    /// sinusoid of a revolute redundant joint, or a parabola of a prismatic redundant joint. Three values
+    /// determine the range of this function. `flange` is the pose of the last D-H frame in frame 0.
+    pub fn never_reaches(&self, flange: &Pose) -> bool {
+        let Some(shell) = self.solver.shell() else { return false };
+        let (lo, hi) = self.range;
+        let values = match self.link.kind {
+            JointKind::Revolute => [0.0, FRAC_PI_2, PI],
+            JointKind::Prismatic => [lo, (lo + hi) / 2.0, hi],
+        };
+        let squared = values.map(|value| {
+            let centre = self.solver.centre(&self.rest_of(flange, &self.at(value).1))?;
+            Some((centre - shell.centre).norm_squared())
+        });
+        let [Some(a), Some(b), Some(c)] = squared else { return false };
+        let (least, most) = match self.link.kind {
+            JointKind::Revolute => {
+                let (middle, cosine) = ((a + c) / 2.0, (a - c) / 2.0);
+                let amplitude = cosine.hypot(b - middle);
+                (middle - amplitude, middle + amplitude)
+            }
+            JointKind::Prismatic => {
+                // A unit of travel moves the point by a unit, so the parabola has the leading coefficient 1.
+                let (half, slope) = ((hi - lo) / 2.0, (c - a) / 2.0);
+                let vertex = if slope.abs() < 2.0 * half * half {
+                    b - slope * slope / (4.0 * half * half)
+                } else {
+                    a.min(c)
+                };
+                (vertex, a.max(c))
+            }
+        };
+        shell.gap(least.max(0.0).sqrt(), most.max(0.0).sqrt()) > SHELL_MARGIN
     }
 
     /// Returns a distance, m, that limits the search between the samples of the redundant joint.

@@ -60,5 +60,6 @@ pub use numeric_branches::CONTINUED;
 pub use planar_geometry::PlanarGeometry;
 pub use refined_solver::RefinedSolver;
 pub use shell::Shell;
+pub use spin_family::FamilyReach;
 pub use tool_attitudes::{PlanarAttitude, ToolAttitudes};
 pub use tool_task::{MAX_ROWS, RotationRow, ToolTask};

@@ -6,7 +6,9 @@ use super::exact_solver::ExactSolver;
 use super::general_six_axes::GeneralSixAxes;
 use super::refined_solver::RefinedSolver;
 use crate::pose::Pose;
+use crate::reach::Shell;
 use crate::robot::{Chain, Posture};
+use nalgebra::Vector3;
 
 /// Inverse kinematics for a given pose of the last D-H frame.
 #[derive(Debug, Clone)]
@@ -106,6 +108,24 @@ impl PoseSolver {
             Self::Exact(solver) => solver.bound(flange),
             Self::Refined(solver) => solver.bound(flange),
             Self::General(_) => 0.0,
+        }
+    }
+
+    /// Returns the point whose distance from the reachable points [`Self::solve`] returns, m; None if the
+    /// point is not known. The point moves with `flange`, or against it if the solver uses the reversed chain.
+    pub fn centre(&self, flange: &Pose) -> Option<Vector3<f64>> {
+        match self {
+            Self::Exact(solver) => solver.centre(flange),
+            Self::Refined(_) | Self::General(_) => None,
+        }
+    }
+
+    /// Returns a shell that contains every reachable position of the point that [`Self::centre`] returns;
+    /// None if no shell is known.
+    pub fn shell(&self) -> Option<Shell> {
+        match self {
+            Self::Exact(solver) => solver.shell(),
+            Self::Refined(_) | Self::General(_) => None,
         }
     }
 

@@ -133,6 +133,49 @@ impl Inverse {
         if any { Gap { reach: 0.0, limits: 0.0 } } else { least }
     }
 
+    /// Calls `found` with the usable branches of a redundant arm between the sampled values of the redundant
+    /// joint. No sample may have a usable branch.
+    ///
+    /// `is_solved` states whether the target is within reach at a sample, outside the joint limits. Other arms
+    /// have no such branches. This function finds the same branches as [`Self::visit`], but faster, because
+    /// it computes no [`Gap`].
+    pub fn visit_between_samples(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        is_solved: bool,
+        found: &mut dyn FnMut(u64, &Posture),
+    ) {
+        let ChainSolver::Redundant(joint) = &self.solver else { return };
+        let reaches = |first: &usize| !joint.never_reaches(&self.flange(*first, target, attitudes));
+        if !attitudes.set.solved().any(|first| reaches(&first)) {
+            return;
+        }
+        if is_solved || self.is_within(joint.sample_reach(), joint, target, attitudes) {
+            for first in attitudes.set.solved().filter(reaches) {
+                HeldTarget { inverse: self, joint, target, attitudes, first }.find_between(found);
+            }
+        }
+    }
+
+    /// Returns whether the least distance of a target from the reachable points, over all samples and
+    /// attitudes, is at most `limit` (m).
+    fn is_within(
+        &self,
+        limit: f64,
+        joint: &HeldJoint,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> bool {
+        let mut scratch = joint.template;
+        let mut is_near = |first: usize, sample: HeldSample<'_>| {
+            let rest = self.rest(&sample, first, target, attitudes);
+            joint.solver.bound(&rest) <= limit
+                && joint.solver.solve(&rest, &mut scratch, &mut |_, _| ()) <= limit
+        };
+        attitudes.set.solved().any(|first| joint.samples().any(|sample| is_near(first, sample)))
+    }
+
     /// Returns the least distance of a target from the reachable points, m, over all samples and attitudes.
     ///
     /// A distance is computed only if its lower bound is below the least distance so far.

@@ -11,6 +11,21 @@ use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
+/// Result of a visit to the spin families of a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FamilyReach {
+    /// The families contain every usable branch. For a redundant arm, they contain every usable branch at the
+    /// sampled values of the redundant joint. At least one such branch exists, or no value of the redundant
+    /// joint has a usable branch.
+    Complete,
+    /// No sampled value of the redundant joint has a usable branch. Usable branches may exist between the
+    /// sampled values ([`Inverse::visit_between_samples`]).
+    OnlyBetweenSamples {
+        /// Whether the target is within reach at a sampled value, outside the joint limits.
+        is_solved: bool,
+    },
+}
+
 impl Inverse {
     /// Returns whether [`Self::visit_families`] supports this arm and these attitudes.
     ///
@@ -33,17 +48,14 @@ impl Inverse {
     /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
     /// argument of `found` is the branch index of the first member.
     ///
-    /// For a redundant arm, returns whether at least one of these families has a usable member
-    /// ([`Self::members`]). If the result is false, [`Self::visit`] may still find usable branches between
-    /// the sampled values of the redundant joint. For the numeric solver, which has no families, returns
-    /// false. For all other arms, returns true.
+    /// The numeric solver has no families.
     pub fn visit_families(
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         scratch: &mut Posture,
         mut found: impl FnMut(u64, &Posture),
-    ) -> bool {
+    ) -> FamilyReach {
         let set = &attitudes.set;
         let keeps =
             |p: &Posture| self.limits.as_ref().is_none_or(|limits| limits.excess_before_last(p) == 0.0);
@@ -60,7 +72,7 @@ impl Inverse {
                         }
                     },
                 );
-                true
+                FamilyReach::Complete
             }
             ChainSolver::Pose(solver) => {
                 for first in set.solved() {
@@ -71,23 +83,28 @@ impl Inverse {
                         }
                     });
                 }
-                true
+                FamilyReach::Complete
             }
             ChainSolver::Redundant(joint) => {
-                let mut is_reached = false;
+                let never = |first: usize| joint.never_reaches(&self.flange(first, target, attitudes));
+                if set.solved().all(never) {
+                    return FamilyReach::Complete;
+                }
+                let (mut is_reached, mut is_solved) = (false, false);
                 for sample in joint.samples() {
                     for first in set.solved() {
-                        self.solve_held_one(&sample, first, target, attitudes, &mut |index, posture| {
+                        let mut keep = |index: u64, posture: &Posture| {
                             if keeps(posture) {
                                 is_reached = is_reached || self.any_usable(first, posture, target, attitudes);
                                 found(index, posture);
                             }
-                        });
+                        };
+                        is_solved |= self.solve_held_one(&sample, first, target, attitudes, &mut keep) == 0.0;
                     }
                 }
-                is_reached
+                if is_reached { FamilyReach::Complete } else { FamilyReach::OnlyBetweenSamples { is_solved } }
             }
-            ChainSolver::Numeric(_) => false,
+            ChainSolver::Numeric(_) => FamilyReach::Complete,
         }
     }
 

@@ -6,6 +6,7 @@
 
 use super::subproblems::{ALIGNED, Angle, BOUNDARY, TwoLinks, difference};
 use crate::cell::JointKind;
+use crate::reach::Shell;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -105,13 +106,21 @@ impl Anthropomorphic {
     /// All reachable points are between two spheres about the origin of frame 1, and outside a cylinder about
     /// axis 1.
     pub fn bound(&self, p: &Vector3<f64>) -> f64 {
-        let (least, most) = self.links.range();
-        let outer = (most + self.l1.abs()).hypot(self.lateral);
-        let inner = (least - self.l1.abs()).max(0.0).hypot(self.lateral);
+        let Shell { inner, outer, .. } = self.shell();
         let radius2 = p.x * p.x + p.y * p.y;
         let distance = (radius2 + (p.z - self.r1).powi(2)).sqrt();
         let beside = self.lateral.abs() - radius2.sqrt();
         (distance - outer).max(inner - distance).max(beside) - BOUNDARY
+    }
+
+    /// Returns a shell in frame 0 that contains all reachable points.
+    pub fn shell(&self) -> Shell {
+        let (least, most) = self.links.range();
+        Shell {
+            centre: Vector3::new(0.0, 0.0, self.r1),
+            inner: (least - self.l1.abs()).max(0.0).hypot(self.lateral),
+            outer: (most + self.l1.abs()).hypot(self.lateral),
+        }
     }
 
     /// Returns the distance (m) from a target to the nearest point that the arm reaches.

@@ -2,6 +2,7 @@
 
 use super::anthropomorphic::Anthropomorphic;
 use super::three_joints::ThreeJoints;
+use crate::reach::Shell;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 
@@ -48,6 +49,14 @@ impl PositioningArm {
         match self {
             Self::Any(arm) => arm.bound(p),
             Self::Anthropomorphic(arm) => arm.bound(p),
+        }
+    }
+
+    /// Returns a shell in frame 0 that contains all reachable points; None if a joint is prismatic.
+    pub fn shell(&self) -> Option<Shell> {
+        match self {
+            Self::Any(arm) => arm.shell(),
+            Self::Anthropomorphic(arm) => Some(arm.shell()),
         }
     }
 

@@ -9,6 +9,7 @@ use super::reversed_chain::{in_either_direction, solve_either_direction};
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
 use crate::cell::JointKind;
 use crate::pose::Pose;
+use crate::reach::Shell;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::Vector3;
 
@@ -94,11 +95,23 @@ impl SphericalWrist {
     /// compute than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
-        let centre = match &self.reversed {
+        self.arm.bound(&self.centre(flange))
+    }
+
+    /// Returns the point that the first three joints must reach, m: the wrist centre in frame 0. For a
+    /// spherical shoulder, it is the shoulder centre in the first frame of the reversed chain.
+    #[inline]
+    pub fn centre(&self, flange: &Pose) -> Vector3<f64> {
+        match &self.reversed {
             Some(lead) => (*lead * flange.inverse()).transform(&self.centre),
             None => flange.transform(&self.centre),
-        };
-        self.arm.bound(&centre)
+        }
+    }
+
+    /// Returns a shell that contains every reachable position of the point that [`Self::centre`] returns;
+    /// None if one of the first three joints is prismatic.
+    pub fn shell(&self) -> Option<Shell> {
+        self.arm.shell()
     }
 
     #[inline]

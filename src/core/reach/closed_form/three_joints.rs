@@ -10,9 +10,10 @@
 use super::pieper::{PointForms, PointTarget};
 use super::quartic::{Quadratic, real_roots, value};
 use super::reach_section::ReachSection;
-use super::subproblems::{ALIGNED, Angle};
+use super::subproblems::{ALIGNED, Angle, BOUNDARY};
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
 use crate::cell::JointKind::{Prismatic, Revolute};
+use crate::reach::Shell;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -32,6 +33,8 @@ pub(in crate::reach) struct ThreeJoints {
     ///
     /// The field is None if a joint is prismatic.
     section: Option<Arc<ReachSection>>,
+    /// Shell that contains all reachable points; None if a joint is prismatic.
+    shell: Option<Shell>,
 }
 
 /// Solution for joint 3: `a` is cos theta_3, and `b` is sin theta_3. For a prismatic joint, `a` is r_3, and
@@ -59,10 +62,14 @@ impl ThreeJoints {
             r1: links[0].r,
             point: ThreeJointPoint { links: *links, r4 },
             section: None,
+            shell: None,
             fast: false,
         };
         arm.check()?;
-        arm.section = arm.point.turns_only().then(|| Arc::new(ReachSection::new(&arm.point)));
+        if arm.point.turns_only() {
+            arm.section = Some(Arc::new(ReachSection::new(&arm.point)));
+            arm.shell = Some(arm.new_shell());
+        }
         Ok(arm)
     }
 
@@ -136,7 +143,33 @@ impl ThreeJoints {
 
     /// Returns a lower bound of the distance, m, that [`Self::solve`] returns for a target in frame 0.
     pub fn bound(&self, p: &Vector3<f64>) -> f64 {
-        self.section.as_ref().map_or(0.0, |section| section.bound(p))
+        let by_section = self.section.as_ref().map_or(0.0, |section| section.bound(p));
+        let by_shell = self.shell.map_or(0.0, |shell| {
+            let distance = (p - shell.centre).norm();
+            shell.gap(distance, distance) - BOUNDARY
+        });
+        by_section.max(by_shell)
+    }
+
+    /// Returns a shell in frame 0 that contains all reachable points; None if a joint is prismatic.
+    pub fn shell(&self) -> Option<Shell> {
+        self.shell
+    }
+
+    /// Computes [`Self::shell`] for three revolute joints.
+    ///
+    /// The squared distance of the point from the origin of frame 1 is a sinusoid of theta_3. The origin of
+    /// frame 1 moves on a circle about axis 1 with the radius `l_1`.
+    fn new_shell(&self) -> Shell {
+        let (form, z) = &self.forms.distance2;
+        let (middle, amplitude) = (form[0] + z[0] * z[0], form[1].hypot(form[2]));
+        let [least, most] = [middle - amplitude, middle + amplitude].map(|square| square.max(0.0).sqrt());
+        let aside = self.forms.l1.abs();
+        Shell {
+            centre: Vector3::new(0.0, 0.0, self.r1),
+            inner: (least - aside).max(0.0),
+            outer: most + aside,
+        }
     }
 
     /// Returns the least distance of the point from `p` (m), and the D-H variables that give this distance.
