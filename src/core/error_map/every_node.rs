@@ -5,7 +5,7 @@ use super::candidate::PostureCandidate;
 use super::family_queue::FamilyQueue;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
-use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::cell::NodeAggregation;
 use crate::reach::Gap;
@@ -27,8 +27,8 @@ impl<const BOUNDS: bool> PostureVisitor for NodeCandidates<'_, BOUNDS> {
         self.candidates.push(candidate);
     }
 
-    fn end_of_node(&mut self, _: &OperationQuery<'_>, node: &VisitedNode, _: &mut PostureMemory) {
-        self.missed = node.missed;
+    fn end_of_node(&mut self, missed: Option<Gap>) {
+        self.missed = missed;
     }
 }
 

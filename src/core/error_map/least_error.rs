@@ -7,7 +7,7 @@ use super::candidate::{Certainty, PostureCandidate};
 use super::first_free::FirstFree;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
-use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::{Gap, ToolAttitudes};
 use std::collections::BinaryHeap;
@@ -26,8 +26,8 @@ impl PostureVisitor for AllCandidates<'_> {
         self.candidates.push(candidate);
     }
 
-    fn end_of_node(&mut self, _: &OperationQuery<'_>, node: &VisitedNode, _: &mut PostureMemory) {
-        match node.missed {
+    fn end_of_node(&mut self, missed: Option<Gap>) {
+        match missed {
             None => self.is_reached = true,
             Some(gap) if gap.is_less(&self.gap) => self.gap = gap,
             Some(_) => {}

@@ -4,40 +4,45 @@ use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
-use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
+use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::PostureMemory;
 use crate::cell::NodeAggregation;
 use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
+use crate::reach::Gap;
 use crate::reading::WorkContext;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::collections::BinaryHeap;
 
-/// Visitor that records every node of a walk.
-struct NodeRecorder {
-    /// Whether the posture of each node and its errors are recorded. Recording takes most of the time of a
-    /// map.
-    has_postures: bool,
-    /// Candidates of the current node.
-    candidates: Vec<PostureCandidate>,
-    nodes: Vec<NodeRecord>,
+/// Least number of nodes that one thread maps with the same memory.
+const MIN_NODES: usize = 8;
+
+/// Visitor that collects the candidates of one node.
+///
+/// `BOUNDS` states whether candidates may carry a lower bound of their value.
+struct MappedNode<'c, const BOUNDS: bool> {
+    candidates: &'c mut Vec<PostureCandidate>,
+    missed: Option<Gap>,
 }
 
-impl PostureVisitor for NodeRecorder {
+impl<const BOUNDS: bool> PostureVisitor for MappedNode<'_, BOUNDS> {
     const JUDGES_TOUCHED: bool = true;
+    const TAKES_BOUNDS: bool = BOUNDS;
 
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.candidates.push(candidate);
     }
 
-    fn end_of_node(&mut self, query: &OperationQuery<'_>, node: &VisitedNode, memory: &mut PostureMemory) {
-        self.candidates.sort_by(|a, b| b.cmp(a));
-        let (status, shown) = query.judge(node, &self.candidates, memory);
-        self.candidates.clear();
-        let posture = shown.filter(|_| self.has_postures);
-        let posture = posture.and_then(|(context, candidate)| query.record(context, &candidate, memory));
-        let (i, j) = query.setup.grid.index(node.node);
-        let position = query.placed.layout.base.pose().transform(&node.target);
-        self.nodes.push(NodeRecord { i, j, position, status, posture });
+    fn end_of_node(&mut self, missed: Option<Gap>) {
+        self.missed = missed;
     }
+}
+
+/// Memory that one thread reuses from node to node.
+struct MapMemory {
+    postures: PostureMemory,
+    candidates: Vec<PostureCandidate>,
 }
 
 impl PlacedLayout<'_> {
@@ -87,35 +92,76 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Records every node. If `has_postures` is true, the posture of each node and its errors are also
-    /// recorded.
+    /// Records every node, on all threads. If `has_postures` is true, the posture of each node and its errors
+    /// are also recorded. This takes most of the time of a map.
     fn nodes(&self, has_postures: bool) -> Vec<NodeRecord> {
-        let mut memory = PostureMemory::new(self.placed.mapper, self.operation);
-        let mut recorder = NodeRecorder { has_postures, candidates: Vec::new(), nodes: Vec::new() };
-        self.walk(&mut memory, &mut recorder);
-        recorder.nodes
+        let mut targets = Vec::with_capacity(self.setup.grid.count());
+        self.setup.grid.targets(&self.at, |node, target| targets.push((node, target)));
+        let memory = || MapMemory {
+            postures: PostureMemory::new(self.placed.mapper, self.operation),
+            candidates: Vec::new(),
+        };
+        let record = |memory: &mut MapMemory, at| self.node_record(at, has_postures, memory);
+        targets.into_par_iter().with_min_len(MIN_NODES).map_init(memory, record).collect()
     }
 
-    /// Judges one node by its candidates, which must be sorted best first.
+    /// Records one node: its index, and the target position of the TCP (base frame, m).
+    fn node_record(
+        &self,
+        (node, target): (usize, Vector3<f64>),
+        has_postures: bool,
+        MapMemory { postures, candidates }: &mut MapMemory,
+    ) -> NodeRecord {
+        candidates.clear();
+        // The search for the cheapest tolerances does not compute the value of every unusable posture, which a
+        // map shows.
+        let missed = match self.setup.is_priced {
+            true => self.collected::<false>((node, target), candidates, postures),
+            false => self.collected::<true>((node, target), candidates, postures),
+        };
+        let (status, shown) = self.judge(&target, missed, candidates, postures);
+        let posture = shown.filter(|_| has_postures);
+        let posture = posture.and_then(|(context, candidate)| self.record(context, &candidate, postures));
+        let (i, j) = self.setup.grid.index(node);
+        let position = self.placed.layout.base.pose().transform(&target);
+        NodeRecord { i, j, position, status, posture }
+    }
+
+    /// Collects the candidates of one node. Returns how far the node is from having a posture within the joint
+    /// limits; None if the node has such a posture.
+    fn collected<const BOUNDS: bool>(
+        &self,
+        (node, target): (usize, Vector3<f64>),
+        candidates: &mut Vec<PostureCandidate>,
+        memory: &mut PostureMemory,
+    ) -> Option<Gap> {
+        let mut mapped = MappedNode::<BOUNDS> { candidates, missed: None };
+        self.visit(node, target, memory, &mut mapped);
+        mapped.missed
+    }
+
+    /// Judges one node by its candidates, or by its gap if no posture is within the joint limits.
     ///
     /// Returns the status of the node, then the [`WorkContext`] for its errors and the candidate to record.
     /// Context and candidate are None if the node has no candidate.
     fn judge(
         &self,
-        node: &VisitedNode,
-        candidates: &[PostureCandidate],
+        target: &Vector3<f64>,
+        missed: Option<Gap>,
+        candidates: &mut Vec<PostureCandidate>,
         memory: &mut PostureMemory,
     ) -> (Status, Option<(&WorkContext, PostureCandidate)>) {
-        let context = match (&self.context, node.missed) {
-            (_, Some(_)) => return (self.why_unreached(&node.target), None),
+        let context = match (&self.context, missed) {
+            (_, Some(_)) => return (self.why_unreached(target), None),
             (Err(why), None) => return (Status::Unjudged(*why), None),
             (Ok(context), None) => context,
         };
-        let mut next = candidates.iter().copied();
-        let found = self.first_free(memory, |_| next.next());
+        let mut heap = BinaryHeap::from(std::mem::take(candidates));
+        let found = self.first_free_of_bounds(&mut heap, memory);
+        *candidates = heap.into_vec();
         let (status, shown) = match found.free {
             Some(free) => (Status::Ok, Some(free)),
-            None => (self.why_none(&node.target, &found, memory), found.nearest),
+            None => (self.why_none(target, &found, memory), found.nearest),
         };
         (status, shown.map(|candidate| (context, candidate)))
     }

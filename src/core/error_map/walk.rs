@@ -43,8 +43,8 @@ pub trait PostureVisitor {
     /// the spot.
     const JUDGES_TOUCHED: bool = false;
 
-    /// Whether [`VisitedNode::missed`] of a redundant arm is needed. Without this measure, an unreached node
-    /// takes much less time.
+    /// Whether the gap of [`Self::end_of_node`] is needed for a redundant arm. Without the gap, an unreached
+    /// node takes much less time.
     const NEEDS_GAP: bool = true;
 
     /// Whether candidates may carry a lower bound of their value. A bound replaces the value only if the
@@ -55,19 +55,10 @@ pub trait PostureVisitor {
     fn candidate(&mut self, candidate: PostureCandidate);
 
     /// Handles the end of a node, after all of its candidates were received.
-    fn end_of_node(&mut self, _query: &OperationQuery<'_>, _node: &VisitedNode, _memory: &mut PostureMemory) {
-    }
-}
-
-/// One node of a walk.
-pub struct VisitedNode {
-    /// Index of the node.
-    pub node: usize,
-    /// Target position of the TCP, in the base frame, m.
-    pub target: Vector3<f64>,
-    /// Measure of how far the node is from having a posture within the joint limits; None if the node has
-    /// such a posture.
-    pub missed: Option<Gap>,
+    ///
+    /// `missed` is a measure of how far the node is from having a posture within the joint limits. It is None
+    /// if the node has such a posture.
+    fn end_of_node(&mut self, _missed: Option<Gap>) {}
 }
 
 impl PostureVisitor for Vec<PostureCandidate> {
@@ -124,7 +115,7 @@ impl<'a> OperationQuery<'a> {
 
     /// Visits one node, and judges every branch within the joint limits. The branches of a redundant arm at
     /// the sampled values of the redundant joint are left out if `known` states that none of them is usable.
-    /// [`VisitedNode::missed`] is then not the actual gap.
+    /// The gap of the node is then not computed.
     #[inline]
     pub fn visit_branches<V: PostureVisitor>(
         &self,
@@ -164,8 +155,7 @@ impl<'a> OperationQuery<'a> {
                 Gap::ALL
             }
         };
-        let missed = (!reached).then_some(gap);
-        visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
+        visitor.end_of_node((!reached).then_some(gap));
     }
 
     /// Replaces the bound of a candidate by a sharper bound or by the value. Returns None if the branch does
