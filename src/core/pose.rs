@@ -221,6 +221,8 @@ impl SmallRotation {
 
 impl std::ops::Mul for Pose {
     type Output = Pose;
+
+    #[inline]
     fn mul(self, inner: Pose) -> Pose {
         Pose { rotation: self.rotation * inner.rotation, translation: self.transform(&inner.translation) }
     }

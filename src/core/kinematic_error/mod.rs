@@ -44,6 +44,7 @@ mod nonlinear;
 mod perturbation;
 mod screw_motion;
 mod screws;
+mod two_valued;
 
 pub use discrepancy::{Discrepancy, NEGLIGIBLE, deviation, discrepancy};
 pub use elastic::{ElasticErrors, deflection};
@@ -52,6 +53,7 @@ pub use identification::{ParameterSet, condition, identifiable, identification_j
 pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
 pub use screw_motion::{ScrewMotion, largest_deflection, motions};
 pub use screws::{JointValues, PosedScrews, Screws};
+pub use two_valued::{TwoValuedError, TwoValuedWalk};
 
 use crate::cell::Model;
 use crate::pose::Displacement;

@@ -13,10 +13,11 @@
 //! | `spin_joint`, `spin_family` | rotation of the tool about its axis by the last joint alone |
 //! | `tool_task` | controlled components of the TCP motion at a posture |
 //! | `limits` | joint limits; angles that differ by whole turns count as equal |
-//! | `shell` | bounding shell of the reach: a cheap test before any inverse kinematics |
+//! | `shell`, `arm_shell` | bounding shell of the reach: a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
 //! | `planar_geometry`, `limit_cones` | planar arm as plain data, to solve many targets at once |
 
+mod arm_shell;
 mod attitude_limits;
 mod attitude_set;
 mod between_samples;

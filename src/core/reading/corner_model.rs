@@ -6,7 +6,7 @@ use super::flip_prediction::FlipPrediction;
 use super::pair_gains::PairGains;
 use super::sense_rows::SenseRows;
 use super::work_context::WorkContext;
-use crate::kinematic_error::{Expansion, position_error};
+use crate::kinematic_error::{Expansion, TwoValuedWalk, position_error};
 use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Vector3, Vector6};
@@ -34,6 +34,9 @@ pub struct CornerModel<'a> {
     /// Prediction of the changes of the error that sign flips cause. None if the evaluator has no prediction,
     /// or if the errors are too large for a prediction.
     prediction: Option<&'a mut FlipPrediction>,
+    /// Walk that computes the position error. None if other errors than the position error of the robot are
+    /// needed.
+    walk: Option<&'a mut TwoValuedWalk>,
 }
 
 impl<'a> CornerModel<'a> {
@@ -44,26 +47,35 @@ impl<'a> CornerModel<'a> {
         (context, frames): (&'a WorkContext, &'a Frames),
         expansion: &Expansion,
         prediction: Option<&'a mut FlipPrediction>,
+        walk: Option<&'a mut TwoValuedWalk>,
     ) -> Self {
         let (work, tip) = (&context.site.work, &frames.tcp.translation);
         let prediction = prediction.and_then(|flips| {
             let is_small = flips.set_posture(&evaluator.sources, expansion, &measure, work, tip);
             is_small.then_some(flips)
         });
-        Self { evaluator, context, frames, measure, prediction }
+        let walk = walk.filter(|_| measure.is_of_position());
+        let walk = walk.map(|walk| {
+            walk.set_posture(frames);
+            walk
+        });
+        Self { evaluator, context, frames, measure, prediction, walk }
     }
 
     /// Returns the error at a corner.
-    pub fn error(&self, signs: &[f64; MAX_SOURCES]) -> CornerError {
+    pub fn error(&mut self, signs: &[f64; MAX_SOURCES]) -> CornerError {
         let ErrorEvaluator { chain, sources, model, .. } = self.evaluator;
         let n = sources.list.len();
+        if let Some(walk) = &mut self.walk {
+            let lower = lower_ends(self.evaluator, &signs[..n], signs);
+            let position = walk.position_error(&self.frames.tcp.translation, lower);
+            return self.of_position(position);
+        }
         let mut values = [0.0; MAX_SOURCES];
         self.evaluator.corner(&self.evaluator.signs_of_sources(signs), &mut values);
         if self.evaluator.alone && self.measure.is_of_position() {
-            let position = position_error(self.frames, &sources.perturbation(chain, &values[..n]), *model);
-            let size = self.measure.size_of_position(&position);
-            let error = Displacement { position, rotation: Vector3::zeros() };
-            return CornerError { size, components: self.measure.components(&error) };
+            let errors = sources.perturbation(chain, &values[..n]);
+            return self.of_position(position_error(self.frames, &errors, *model));
         }
         let propagation = self.evaluator.propagation();
         let sample = propagation.sample(&values[..n], *model);
@@ -72,11 +84,30 @@ impl<'a> CornerModel<'a> {
         CornerError { size: components.norm(), components }
     }
 
-    /// Predicts how a flip of each sign changes the error at a corner. [`Self::may_exceed`] uses these
-    /// predictions.
+    /// Returns the size of the error at a corner, in less time than [`Self::error`].
+    pub fn size(&mut self, signs: &[f64; MAX_SOURCES]) -> f64 {
+        let n = self.evaluator.sources.list.len();
+        match &mut self.walk {
+            Some(walk) => {
+                let lower = lower_ends(self.evaluator, &signs[..n], signs);
+                let position = walk.position_error(&self.frames.tcp.translation, lower);
+                self.measure.size_of_position(&position)
+            }
+            None => self.error(signs).size,
+        }
+    }
+
+    /// Returns the error along the rows of a sense that measures only the position of the TCP.
+    fn of_position(&self, position: Vector3<f64>) -> CornerError {
+        let size = self.measure.size_of_position(&position);
+        let error = Displacement { position, rotation: Vector3::zeros() };
+        CornerError { size, components: self.measure.components(&error) }
+    }
+
+    /// Sets the corner from which [`Self::may_exceed`] predicts how a flip of each sign changes the error.
     pub fn stand_at(&mut self, signs: &[f64; MAX_SOURCES]) {
         if let Some(flips) = &mut self.prediction {
-            flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs), &self.measure);
+            flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs));
         }
     }
 
@@ -84,14 +115,14 @@ impl<'a> CornerModel<'a> {
     /// increase the error.
     ///
     /// `error` must be the error at that corner. The function returns true if the flips cannot be predicted.
-    pub fn may_exceed(&self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {
-        let Some(prediction) = &self.prediction else { return true };
+    pub fn may_exceed(&mut self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {
+        let Some(prediction) = &mut self.prediction else { return true };
         let (mut components, mut margin) = (error.components, ROUNDING * error.size);
         let (mut rotation, mut displacement) = (0.0, 0.0);
         let all_known = flips.all(|k| {
-            let Some(flip) = prediction.flip_of(k) else { return false };
+            let Some(flip) = prediction.flip_of(k, &self.measure).copied() else { return false };
             components += flip.change;
-            margin += flip.margin + prediction.product_bound((rotation, displacement), flip);
+            margin += flip.margin + prediction.product_bound((rotation, displacement), &flip);
             rotation += flip.rotation;
             displacement += flip.displacement;
             true
@@ -103,9 +134,10 @@ impl<'a> CornerModel<'a> {
     /// [`Self::stand_at`]. Returns None if there is no prediction.
     ///
     /// `error` must be the error at that corner.
-    pub fn pair_gains(&self, error: &CornerError) -> Option<PairGains> {
-        let flips = self.prediction.as_ref()?;
-        Some(PairGains::new(flips.flips(), flips.weights(), &error.components))
+    pub fn pair_gains(&mut self, error: &CornerError) -> Option<PairGains> {
+        let flips = self.prediction.as_mut()?;
+        let weights = flips.weights();
+        Some(PairGains::new(flips.flips(&self.measure), weights, &error.components))
     }
 
     /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
@@ -114,18 +146,18 @@ impl<'a> CornerModel<'a> {
     /// `signs` and `error` must be the signs and the error at that corner. Returns an upper bound of the
     /// prediction error of the sizes, m or rad; None if there is no prediction.
     pub fn predict_combinations(
-        &self,
+        &mut self,
         signs: &[f64; MAX_SOURCES],
         error: &CornerError,
         free: &[usize],
         sizes: &mut [f64; 1 << MAX_FREE],
     ) -> Option<f64> {
-        let prediction = self.prediction.as_ref()?;
+        let prediction = self.prediction.as_mut()?;
         let (signs, sources) = (self.evaluator.signs_of_sources(signs), &self.evaluator.sources);
         let mut margin = ROUNDING * error.size;
         let mut products = [[Vector6::zeros(); MAX_FREE]; MAX_FREE];
         for (a, &k) in free.iter().enumerate() {
-            margin += prediction.flip_of(k)?.margin;
+            margin += prediction.flip_of(k, &self.measure)?.margin;
             for (b, &l) in free.iter().enumerate().take(a) {
                 products[a][b] = prediction.product_of(sources, &signs, (k, l), &self.measure);
                 products[b][a] = products[a][b];
@@ -134,14 +166,27 @@ impl<'a> CornerModel<'a> {
         let (mut components, mut flipped) = (error.components, 0u32);
         for (step, a) in gray_code(free.len()) {
             let partners = (0..free.len()).filter(|&b| b != a && flipped >> b & 1 == 1);
-            let change =
-                prediction.flip_of(free[a])?.change + partners.map(|b| products[a][b]).sum::<Vector6<f64>>();
+            let alone = prediction.flip_of(free[a], &self.measure)?.change;
+            let change = alone + partners.map(|b| products[a][b]).sum::<Vector6<f64>>();
             components += if flipped >> a & 1 == 1 { -change } else { change };
             flipped ^= 1 << a;
             sizes[step] = components.norm();
         }
         Some(margin)
     }
+}
+
+/// Returns the bit set of the sources that are at the lower end of their tolerance. `all` also holds the sign
+/// of the mean, which may reverse the signs of all sources.
+fn lower_ends(evaluator: &ErrorEvaluator, signs: &[f64], all: &[f64; MAX_SOURCES]) -> u128 {
+    let mut negative = [0u64; 2];
+    for (k, sign) in signs.iter().enumerate() {
+        negative[k / 64] |= (sign.to_bits() >> 63) << (k % 64);
+    }
+    let negative = u128::from(negative[1]) << 64 | u128::from(negative[0]);
+    let count = signs.len() as u32;
+    let every = u128::MAX.checked_shr(128 - count).unwrap_or(0);
+    if evaluator.is_reversed(all) { every & !negative } else { negative }
 }
 
 /// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it

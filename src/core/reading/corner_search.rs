@@ -91,7 +91,8 @@ pub fn by_model(
         for mut signs in largest().into_iter().flat_map(both) {
             (0..columns.len()).filter(|k| !is_weak(k)).for_each(|k| signs[k] = corner[k]);
             for signs in both(signs) {
-                search.polish(SearchCorner::new(columns, search.model.error(&signs), signs));
+                let error = search.model.error(&signs);
+                search.polish(SearchCorner::new(columns, error, signs));
             }
         }
     }
@@ -173,9 +174,9 @@ impl CornerSearch<'_, '_> {
         for (step, bit) in gray_code(weak.len()) {
             tried[weak[bit]] = -tried[weak[bit]];
             if sizes[step] >= limit {
-                let error = self.model.error(&tried);
-                if error.size > start.error.size {
-                    (start.error, start.signs) = (error, tried);
+                let size = self.model.size(&tried);
+                if size > start.error.size {
+                    (start.error, start.signs) = (self.model.error(&tried), tried);
                 }
             }
         }
@@ -232,10 +233,9 @@ impl CornerSearch<'_, '_> {
             return false;
         }
         members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
-        let error = self.model.error(&at.signs);
-        let is_larger = error.size > at.error.size;
+        let is_larger = self.model.size(&at.signs) > at.error.size;
         if is_larger {
-            (at.error, at.sum) = (error, at.sum + change);
+            (at.error, at.sum) = (self.model.error(&at.signs), at.sum + change);
             self.model.stand_at(&at.signs);
         } else {
             members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);

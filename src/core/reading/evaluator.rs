@@ -11,7 +11,7 @@ use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::zonotope::ZonotopeScratch;
 use super::{Effects, MAX_SOURCES, SenseRows};
 use crate::cell::{Cell, Distribution, Frame, Model, Operation, Quantity, Reading, Registration, Sense};
-use crate::kinematic_error::{Expansion, Perturbation, position_error};
+use crate::kinematic_error::{Expansion, Perturbation, TwoValuedWalk, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -67,6 +67,9 @@ pub struct EvaluatorScratch {
     /// Prediction of the changes of the error that sign flips cause at corners of the tolerance box. None if
     /// the evaluator has no prediction.
     pub(super) flips: Option<Box<FlipPrediction>>,
+    /// Position error of the nonlinear model at corners of the tolerance box. None for another model, and if
+    /// only the position error of the robot does not suffice.
+    pub(super) walk: Option<Box<TwoValuedWalk>>,
     conditional: ConditionalScratch,
 }
 
@@ -144,8 +147,11 @@ impl ErrorEvaluator {
         let position = self.spin_bound.as_ref().and_then(SpinBound::factors);
         let flips = self.untied.filter(|_| self.model != Model::Linear);
         let flips = flips.map(|at| Box::new(FlipPrediction::new(&self.sources, &expansion, at)));
+        let has_walk = self.alone && self.model == Model::Nonlinear && self.has_tolerances();
+        let walk = if has_walk { self.sources.corner_walk(&self.chain) } else { None };
         EvaluatorScratch {
             expansion,
+            walk: walk.map(Box::new),
             position: position.map(|factors| Box::new(factors.expansion(&self.chain))),
             flips,
             effects: Effects::default(),

@@ -92,7 +92,11 @@ pub struct FlipPrediction {
     motions: Vec<CornerMotion>,
     /// Motions of each source: index in `motions`, and size per unit of the source.
     sources: Vec<Vec<(usize, f64)>>,
+    /// Change of each source if its sign at the latest corner is reversed, m or rad.
+    changes: [f64; MAX_SOURCES],
     flips: [PredictedFlip; MAX_SOURCES],
+    /// Bit set of the sources whose flips are computed for the latest corner.
+    computed: u128,
     /// Norm of the rows that measure the position, and norm of the rows that measure the rotation.
     weights: [f64; 2],
     /// Largest sum of all rotations at any corner, rad.
@@ -130,7 +134,9 @@ impl FlipPrediction {
         Self {
             motions: owners.map(CornerMotion::of).collect(),
             sources: (0..n).map(motions_of).collect(),
+            changes: [0.0; MAX_SOURCES],
             flips: [PredictedFlip::NONE; MAX_SOURCES],
+            computed: 0,
             weights: [0.0; 2],
             rotations: 0.0,
             displacements: 0.0,
@@ -183,8 +189,8 @@ impl FlipPrediction {
         self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
     }
 
-    /// Sets the corner with the signs `signs`, and predicts how a flip of each sign changes the error.
-    pub fn set_corner(&mut self, sources: &ErrorSources, signs: &[f64; MAX_SOURCES], measure: &SenseRows) {
+    /// Sets the corner with the signs `signs`.
+    pub fn set_corner(&mut self, sources: &ErrorSources, signs: &[f64; MAX_SOURCES]) {
         self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
         for ((own, source), sign) in self.sources.iter().zip(&sources.list).zip(signs) {
             let value = source.at(*sign);
@@ -204,9 +210,10 @@ impl FlipPrediction {
             moved += motion.g * motion.size;
             turned += motion.w * motion.size;
         }
-        for (k, (source, sign)) in sources.list.iter().zip(signs).enumerate() {
-            self.flips[k] = self.flip(k, -2.0 * source.plus_minus * sign, measure);
+        for (change, (source, sign)) in self.changes.iter_mut().zip(sources.list.iter().zip(signs)) {
+            *change = -2.0 * source.plus_minus * sign;
         }
+        self.computed = 0;
     }
 
     /// Returns the prediction for a change of source `k` by `change` (m or rad).
@@ -238,14 +245,26 @@ impl FlipPrediction {
         Displacement { position: near.w.cross(&far.g), rotation }
     }
 
-    /// Returns the predicted flip of source `k`; None if there is no such source.
-    pub fn flip_of(&self, k: usize) -> Option<&PredictedFlip> {
-        self.flips().get(k)
+    /// Returns the predicted flip of source `k` at the corner of [`Self::set_corner`]; None if there is no such
+    /// source. The flip is computed when it is first needed.
+    pub fn flip_of(&mut self, k: usize, measure: &SenseRows) -> Option<&PredictedFlip> {
+        if k >= self.sources.len() {
+            return None;
+        }
+        if self.computed >> k & 1 == 0 {
+            self.flips[k] = self.flip(k, self.changes[k], measure);
+            self.computed |= 1 << k;
+        }
+        self.flips.get(k)
     }
 
-    /// Returns the predicted flips of all sources.
-    pub fn flips(&self) -> &[PredictedFlip] {
-        &self.flips[..self.sources.len()]
+    /// Returns the predicted flips of all sources at the corner of [`Self::set_corner`].
+    pub fn flips(&mut self, measure: &SenseRows) -> &[PredictedFlip] {
+        let count = self.sources.len();
+        (0..count).for_each(|k| {
+            self.flip_of(k, measure);
+        });
+        &self.flips[..count]
     }
 
     /// Returns the norm of the rows that measure the position, and the norm of the rows that measure the

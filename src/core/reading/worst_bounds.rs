@@ -66,8 +66,10 @@ impl ErrorEvaluator {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
         let (_, corner) = self.linear_corner(&measure, memory);
-        let model = CornerModel::new(self, measure, (context, frames), &memory.expansion, None);
-        [corner, corner.map(|s| -s)].iter().map(|corner| model.error(corner).size).fold(0.0, f64::max)
+        let EvaluatorScratch { expansion, walk, .. } = memory;
+        let mut model =
+            CornerModel::new(self, measure, (context, frames), expansion, None, walk.as_deref_mut());
+        [corner, corner.map(|s| -s)].iter().map(|corner| model.size(corner)).fold(0.0, f64::max)
     }
 
     /// Returns the worst case by the linear model at a posture, or an upper bound of it.

@@ -47,8 +47,9 @@ impl ErrorEvaluator {
             return (WorstCase { linear, exact, by_model: linear, corner }, true);
         }
         let quadratic = self.quadratic(&memory.effects);
-        let EvaluatorScratch { expansion, effects, columns, scratch, flips, .. } = memory;
-        let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips.as_deref_mut());
+        let EvaluatorScratch { expansion, effects, columns, scratch, flips, walk, .. } = memory;
+        let (flips, walk) = (flips.as_deref_mut(), walk.as_deref_mut());
+        let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips, walk);
         let columns = &columns[..n + of_mean];
         let largest = all.then_some(|| self.largest(effects, scratch));
         let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corner, &mut model, largest);
@@ -67,7 +68,7 @@ impl ErrorEvaluator {
     /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the
     /// search for the worst corner treats the mean as one more source with a free sign. This sign is stored
     /// after the signs of the sources.
-    fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
+    pub fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
         self.mean.is_some() && signs[self.sources.list.len()] < 0.0
     }
 

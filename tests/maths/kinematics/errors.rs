@@ -11,9 +11,10 @@ use serde_json::Value;
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 use sweetspot::cell::{
-    Convention, Coordinate, Joint, JointKind, JointVector, Model, Placement, Rectangle, Robot, SignedErrors,
+    Convention, Coordinate, Joint, JointKind, JointVector, Model, Parameter, Placement, Rectangle, Robot,
+    SignedErrors,
 };
-use sweetspot::kinematic_error::{Perturbation, pose_error};
+use sweetspot::kinematic_error::{Perturbation, TwoValuedError, TwoValuedWalk, pose_error, position_error};
 use sweetspot::layout::Workcell;
 use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
@@ -295,4 +296,52 @@ fn error_maps_turn_with_the_base() {
         let pairs = [(pa.nonlinear, pb.nonlinear), (pa.linear, pb.linear), (pa.rotation, pb.rotation)];
         assert!(pairs.iter().all(|(a, b)| (turned(*a) - b).norm() < 1e-12));
     }
+}
+
+/// A walk over corners keeps the part that did not change. Every corner has the bits of the position error
+/// that is computed anew. A motion that several errors cause is not supported.
+#[test]
+fn the_walk_over_corners_has_the_bits_of_the_position_error() {
+    let mut rng = ChaCha8Rng::seed_from_u64(23);
+    let (mut walks, mut refused) = (0, 0);
+    for n in 2..=8 {
+        for _ in 0..30 {
+            let robot = random_robot(&mut rng, n, false);
+            let chain = Chain::new(&robot);
+            let count = Parameter::first_elastic(n);
+            let mut errors: Vec<TwoValuedError> = Vec::new();
+            for parameter in 0..count {
+                if rng.random_bool(0.8) {
+                    continue;
+                }
+                let mean = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-1e-2..1e-2) };
+                let size = rng.random_range(1e-4..1e-2);
+                errors.push(TwoValuedError { parameter, values: [mean + size, mean - size] });
+            }
+            let Some(mut walk) = TwoValuedWalk::new(&chain, &errors) else {
+                refused += 1;
+                continue;
+            };
+            for _ in 0..3 {
+                let q = random_joints(&robot, &mut rng);
+                let frames = chain.frames(&chain.posture(&q));
+                walk.set_posture(&frames);
+                let mut second = rng.random_range(0..1u128 << errors.len().min(100));
+                for _ in 0..40 {
+                    let mut values = vec![0.0; count];
+                    for (k, error) in errors.iter().enumerate() {
+                        values[error.parameter] = error.values[(second >> k & 1) as usize];
+                    }
+                    let want =
+                        position_error(&frames, &Perturbation::of_values(&chain, &values), Model::Nonlinear);
+                    assert_eq!(walk.position_error(&frames.tcp.translation, second), want, "{errors:?}");
+                    for _ in 0..rng.random_range(0..3).min(errors.len()) {
+                        second ^= 1 << rng.random_range(0..errors.len());
+                    }
+                }
+                walks += 1;
+            }
+        }
+    }
+    assert!(walks > 200 && refused > 20, "{walks} walks, {refused} chains refused");
 }

@@ -1,0 +1,216 @@
+//! Nonlinear position error of samples in which every parameter error has one of two values.
+//!
+//! The corners of a tolerance box are such samples. The small motions of both values are computed once. The
+//! displacements from the tool back to the base are kept, so that a sample repeats only the part of the walk
+//! after the first motion that differs from the last sample.
+
+use super::perturbation::Turn;
+use crate::cell::{JointKind, PER_FRAME, PER_LINK, Parameter};
+use crate::pose::Pose;
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Parameter error with two possible values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoValuedError {
+    /// Index of the parameter in the order of [`Parameter::of_robot`].
+    pub parameter: usize,
+    /// The two values, m or rad.
+    pub values: [f64; 2],
+}
+
+/// Frame in whose axes small motions are given.
+#[derive(Debug, Clone, Copy)]
+enum WalkFrame {
+    Base,
+    /// Frame of the chain, by its index in [`Frames::links`].
+    Link(usize),
+    /// Frame of the joint with this index, and its pose in the D-H frame of the link before the joint.
+    Joint(usize, Pose),
+    Tool,
+}
+
+/// Translation along an axis of a frame, caused by one parameter error.
+#[derive(Debug, Clone, Copy)]
+struct SlidePart {
+    /// Index of the parameter error.
+    error: usize,
+    /// Index of the frame in [`TwoValuedWalk::frames`], and index of the axis.
+    axis: (usize, usize),
+    values: [f64; 2],
+    /// Translations (base frame, m) for the two values, at the present posture.
+    by: [Vector3<f64>; 2],
+}
+
+/// Small motion of the walk.
+#[derive(Debug, Clone)]
+enum WalkMotion {
+    Turn {
+        /// Index of the parameter error.
+        error: usize,
+        /// Index of the frame in [`TwoValuedWalk::frames`], and index of the axis.
+        frame: (usize, usize),
+        by: [Turn; 2],
+        /// Direction of the axis and a point on it, base frame, at the present posture.
+        axis: Vector3<f64>,
+        through: Vector3<f64>,
+    },
+    /// Translation with one part or several parts.
+    Slide(Vec<SlidePart>),
+}
+
+/// Walk from the tool back to the base through the small motions of a chain.
+#[derive(Debug, Clone)]
+pub struct TwoValuedWalk {
+    frames: Vec<WalkFrame>,
+    steps: Vec<WalkMotion>,
+    /// Index of the first step that depends on each parameter error.
+    first: Vec<usize>,
+    /// Position error before each step, and after the last step, m.
+    reached: Vec<Vector3<f64>>,
+    /// Bit set of the last sample: the parameter errors with the second value. None if the posture is new.
+    last: Option<u128>,
+}
+
+impl TwoValuedWalk {
+    /// Prepares the walk of a chain with the given errors of its parameters.
+    ///
+    /// Returns None for more than 128 errors, for elastic errors, and if a small motion depends on several
+    /// errors.
+    pub fn new(chain: &Chain, errors: &[TwoValuedError]) -> Option<Self> {
+        let axes = chain.axes();
+        let is_elastic = |error: &TwoValuedError| error.parameter >= Parameter::first_elastic(axes);
+        if errors.len() > 128 || errors.iter().any(is_elastic) {
+            return None;
+        }
+        let mut walk = Self {
+            frames: Vec::new(),
+            steps: Vec::new(),
+            first: vec![usize::MAX; errors.len()],
+            reached: Vec::new(),
+            last: None,
+        };
+        let known = |parameter: usize| {
+            errors.iter().enumerate().find(|(_, e)| e.parameter == parameter).map(|(k, e)| (k, e.values))
+        };
+        let frame_error = |first: usize| -> [Option<(usize, [f64; 2])>; PER_FRAME] {
+            std::array::from_fn(|k| known(first + k))
+        };
+        let base = PER_LINK * axes;
+        walk.add_frame(WalkFrame::Tool, frame_error(base + PER_FRAME));
+        for (i, link) in chain.links.iter().enumerate().rev() {
+            let own = |k: usize| known(PER_LINK * i + k);
+            // The error dq drives all joints that are coupled to it.
+            let driven = (0..=i).filter(|j| chain.coupling[i][*j] != 0.0).filter_map(|j| {
+                let (error, values) = known(PER_LINK * j)?;
+                Some((error, values.map(|value| chain.coupling[i][j] * value)))
+            });
+            let mut driven: Vec<_> = driven.collect();
+            let mut axial: Vec<_> = own(1).into_iter().collect();
+            if link.kind == JointKind::Prismatic {
+                axial.append(&mut driven);
+            }
+            if driven.len() > 1 || axial.len() > 1 {
+                return None;
+            }
+            let (before, after) = (walk.frame(WalkFrame::Link(i)), walk.frame(WalkFrame::Link(i + 1)));
+            walk.add_turn((after, 1), own(4));
+            walk.add_turn((after, 0), own(3));
+            walk.add_slide([((after, 0), own(2)), ((before, 2), axial.first().copied())]);
+            walk.add_turn((before, 2), driven.first().copied());
+            let joint = chain.joint_frames.get(i).copied().unwrap_or_else(Pose::identity);
+            let first = Parameter::first_joint(axes) + PER_FRAME * i;
+            walk.add_frame(WalkFrame::Joint(i, joint), frame_error(first));
+        }
+        walk.add_frame(WalkFrame::Base, frame_error(base));
+        walk.reached = vec![Vector3::zeros(); walk.steps.len() + 1];
+        Some(walk)
+    }
+
+    /// Returns the index of a frame, which is added to the list of frames.
+    fn frame(&mut self, frame: WalkFrame) -> usize {
+        self.frames.push(frame);
+        self.frames.len() - 1
+    }
+
+    /// Adds the motions of a frame error: rotations about x, y and z, then the translation.
+    fn add_frame(&mut self, frame: WalkFrame, errors: [Option<(usize, [f64; 2])>; PER_FRAME]) {
+        let frame = self.frame(frame);
+        (0..3).for_each(|k| self.add_turn((frame, k), errors[3 + k]));
+        self.add_slide([0, 1, 2].map(|k| ((frame, k), errors[k])));
+    }
+
+    fn add_turn(&mut self, frame: (usize, usize), error: Option<(usize, [f64; 2])>) {
+        let Some((error, values)) = error else { return };
+        self.first[error] = self.first[error].min(self.steps.len());
+        let [axis, through] = [Vector3::zeros(); 2];
+        self.steps.push(WalkMotion::Turn { error, frame, by: values.map(Turn::new), axis, through });
+    }
+
+    fn add_slide<const N: usize>(&mut self, parts: [((usize, usize), Option<(usize, [f64; 2])>); N]) {
+        let part = |(axis, error): ((usize, usize), Option<(usize, [f64; 2])>)| {
+            let (error, values) = error?;
+            Some(SlidePart { error, axis, values, by: [Vector3::zeros(); 2] })
+        };
+        let parts: Vec<SlidePart> = parts.into_iter().filter_map(part).collect();
+        parts.iter().for_each(|part| self.first[part.error] = self.first[part.error].min(self.steps.len()));
+        if !parts.is_empty() {
+            self.steps.push(WalkMotion::Slide(parts));
+        }
+    }
+
+    /// Sets the posture of the chain.
+    pub fn set_posture(&mut self, frames: &Frames) {
+        self.last = None;
+        let pose = |frame: &WalkFrame| match frame {
+            WalkFrame::Base => Pose::identity(),
+            WalkFrame::Link(k) => frames.links[*k],
+            WalkFrame::Joint(k, pose) => frames.links[*k] * *pose,
+            WalkFrame::Tool => frames.tcp,
+        };
+        let placed = |(frame, axis): (usize, usize)| {
+            let pose = pose(&self.frames[frame]);
+            (pose.rotation.column(axis).into_owned(), pose.translation)
+        };
+        for step in &mut self.steps {
+            match step {
+                WalkMotion::Turn { frame, axis, through, .. } => (*axis, *through) = placed(*frame),
+                WalkMotion::Slide(parts) => {
+                    for part in parts {
+                        let (direction, _) = placed(part.axis);
+                        part.by = part.values.map(|value| direction * value);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the position error of the TCP `p` in the base frame, m. The posture must be set. `second` is
+    /// the bit set of the parameter errors that have the second of their two values.
+    ///
+    /// The result equals [`super::position_error`] under the nonlinear model.
+    pub fn position_error(&mut self, p: &Vector3<f64>, second: u128) -> Vector3<f64> {
+        let count = self.steps.len();
+        let mut changed = self.last.map_or(u128::MAX, |last| last ^ second);
+        let mut from = if self.last.is_none() { 0 } else { count };
+        while from > 0 && changed != 0 {
+            from = from.min(self.first[changed.trailing_zeros() as usize]);
+            changed &= changed - 1;
+        }
+        self.last = Some(second);
+        let value = |error: usize| (second >> error & 1) as usize;
+        let mut e = self.reached[from];
+        for (k, step) in self.steps.iter().enumerate().skip(from) {
+            e += match step {
+                WalkMotion::Turn { error, by, axis, through, .. } => {
+                    let (by, w) = (&by[value(*error)], p + e - *through);
+                    // Rodrigues' formula, as in the nonlinear model.
+                    axis.cross(&w) * by.sin + (*axis * axis.dot(&w) - w) * by.versine
+                }
+                WalkMotion::Slide(parts) => parts.iter().map(|part| part.by[value(part.error)]).sum(),
+            };
+            self.reached[k + 1] = e;
+        }
+        e
+    }
+}
