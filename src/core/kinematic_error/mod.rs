@@ -53,7 +53,7 @@ pub use identification::{ParameterSet, condition, identifiable, identification_j
 pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
 pub use screw_motion::{ScrewMotion, largest_deflection, motions};
 pub use screws::{JointValues, PosedScrews, Screws};
-pub use two_valued::{TwoValuedError, TwoValuedWalk};
+pub use two_valued::TwoValuedWalk;
 
 use crate::cell::Model;
 use crate::pose::Displacement;

@@ -10,15 +10,6 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Parameter error with two possible values.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TwoValuedError {
-    /// Index of the parameter in the order of [`Parameter::of_robot`].
-    pub parameter: usize,
-    /// The two values, m or rad.
-    pub values: [f64; 2],
-}
-
 /// Frame in whose axes small motions are given.
 #[derive(Debug, Clone, Copy)]
 enum WalkFrame {
@@ -30,14 +21,21 @@ enum WalkFrame {
     Tool,
 }
 
+/// Parameter error that causes a small motion.
+#[derive(Debug, Clone, Copy)]
+struct MotionCause {
+    /// Index of the parameter error.
+    error: usize,
+    /// Size of the motion per unit of the error.
+    factor: f64,
+}
+
 /// Translation along an axis of a frame, caused by one parameter error.
 #[derive(Debug, Clone, Copy)]
 struct SlidePart {
-    /// Index of the parameter error.
-    error: usize,
+    cause: MotionCause,
     /// Index of the frame in [`TwoValuedWalk::frames`], and index of the axis.
     axis: (usize, usize),
-    values: [f64; 2],
     /// Translations (base frame, m) for the two values, at the present posture.
     by: [Vector3<f64>; 2],
 }
@@ -46,8 +44,7 @@ struct SlidePart {
 #[derive(Debug, Clone)]
 enum WalkMotion {
     Turn {
-        /// Index of the parameter error.
-        error: usize,
+        cause: MotionCause,
         /// Index of the frame in [`TwoValuedWalk::frames`], and index of the axis.
         frame: (usize, usize),
         by: [Turn; 2],
@@ -64,6 +61,8 @@ enum WalkMotion {
 pub struct TwoValuedWalk {
     frames: Vec<WalkFrame>,
     steps: Vec<WalkMotion>,
+    /// The two values of each parameter error, m or rad.
+    values: Vec<[f64; 2]>,
     /// Index of the first step that depends on each parameter error.
     first: Vec<usize>,
     /// Position error before each step, and after the last step, m.
@@ -73,38 +72,39 @@ pub struct TwoValuedWalk {
 }
 
 impl TwoValuedWalk {
-    /// Prepares the walk of a chain with the given errors of its parameters.
+    /// Prepares the walk of a chain. `errors` holds the parameters that have an error, as indices in the order
+    /// of [`Parameter::of_robot`].
     ///
     /// Returns None for more than 128 errors, for elastic errors, and if a small motion depends on several
     /// errors.
-    pub fn new(chain: &Chain, errors: &[TwoValuedError]) -> Option<Self> {
+    pub fn new(chain: &Chain, errors: &[usize]) -> Option<Self> {
         let axes = chain.axes();
-        let is_elastic = |error: &TwoValuedError| error.parameter >= Parameter::first_elastic(axes);
+        let is_elastic = |parameter: &usize| *parameter >= Parameter::first_elastic(axes);
         if errors.len() > 128 || errors.iter().any(is_elastic) {
             return None;
         }
         let mut walk = Self {
             frames: Vec::new(),
             steps: Vec::new(),
+            values: vec![[0.0; 2]; errors.len()],
             first: vec![usize::MAX; errors.len()],
             reached: Vec::new(),
             last: None,
         };
         let known = |parameter: usize| {
-            errors.iter().enumerate().find(|(_, e)| e.parameter == parameter).map(|(k, e)| (k, e.values))
+            let error = errors.iter().position(|error| *error == parameter)?;
+            Some(MotionCause { error, factor: 1.0 })
         };
-        let frame_error = |first: usize| -> [Option<(usize, [f64; 2])>; PER_FRAME] {
-            std::array::from_fn(|k| known(first + k))
-        };
+        let frame_error =
+            |first: usize| -> [Option<MotionCause>; PER_FRAME] { std::array::from_fn(|k| known(first + k)) };
         let base = PER_LINK * axes;
         walk.add_frame(WalkFrame::Tool, frame_error(base + PER_FRAME));
         for (i, link) in chain.links.iter().enumerate().rev() {
             let own = |k: usize| known(PER_LINK * i + k);
             // The error dq drives all joints that are coupled to it.
-            let driven = (0..=i).filter(|j| chain.coupling[i][*j] != 0.0).filter_map(|j| {
-                let (error, values) = known(PER_LINK * j)?;
-                Some((error, values.map(|value| chain.coupling[i][j] * value)))
-            });
+            let driven = (0..=i)
+                .filter(|j| chain.coupling[i][*j] != 0.0)
+                .filter_map(|j| Some(MotionCause { factor: chain.coupling[i][j], ..known(PER_LINK * j)? }));
             let mut driven: Vec<_> = driven.collect();
             let mut axial: Vec<_> = own(1).into_iter().collect();
             if link.kind == JointKind::Prismatic {
@@ -134,34 +134,45 @@ impl TwoValuedWalk {
     }
 
     /// Adds the motions of a frame error: rotations about x, y and z, then the translation.
-    fn add_frame(&mut self, frame: WalkFrame, errors: [Option<(usize, [f64; 2])>; PER_FRAME]) {
+    fn add_frame(&mut self, frame: WalkFrame, errors: [Option<MotionCause>; PER_FRAME]) {
         let frame = self.frame(frame);
         (0..3).for_each(|k| self.add_turn((frame, k), errors[3 + k]));
         self.add_slide([0, 1, 2].map(|k| ((frame, k), errors[k])));
     }
 
-    fn add_turn(&mut self, frame: (usize, usize), error: Option<(usize, [f64; 2])>) {
-        let Some((error, values)) = error else { return };
-        self.first[error] = self.first[error].min(self.steps.len());
+    fn add_turn(&mut self, frame: (usize, usize), cause: Option<MotionCause>) {
+        let Some(cause) = cause else { return };
+        self.note_first(&cause);
         let [axis, through] = [Vector3::zeros(); 2];
-        self.steps.push(WalkMotion::Turn { error, frame, by: values.map(Turn::new), axis, through });
+        self.steps.push(WalkMotion::Turn { cause, frame, by: [Turn::default(); 2], axis, through });
     }
 
-    fn add_slide<const N: usize>(&mut self, parts: [((usize, usize), Option<(usize, [f64; 2])>); N]) {
-        let part = |(axis, error): ((usize, usize), Option<(usize, [f64; 2])>)| {
-            let (error, values) = error?;
-            Some(SlidePart { error, axis, values, by: [Vector3::zeros(); 2] })
+    fn add_slide<const N: usize>(&mut self, parts: [((usize, usize), Option<MotionCause>); N]) {
+        let part = |(axis, cause): ((usize, usize), Option<MotionCause>)| {
+            Some(SlidePart { cause: cause?, axis, by: [Vector3::zeros(); 2] })
         };
         let parts: Vec<SlidePart> = parts.into_iter().filter_map(part).collect();
-        parts.iter().for_each(|part| self.first[part.error] = self.first[part.error].min(self.steps.len()));
+        parts.iter().for_each(|part| self.note_first(&part.cause));
         if !parts.is_empty() {
             self.steps.push(WalkMotion::Slide(parts));
         }
     }
 
-    /// Sets the posture of the chain.
-    pub fn set_posture(&mut self, frames: &Frames) {
+    /// Notes that the next step depends on a parameter error.
+    fn note_first(&mut self, cause: &MotionCause) {
+        let first = &mut self.first[cause.error];
+        *first = (*first).min(self.steps.len());
+    }
+
+    /// Sets the posture of the chain, and the two values (m or rad) of each parameter error.
+    pub fn set_posture(&mut self, frames: &Frames, values: impl Iterator<Item = [f64; 2]>) {
         self.last = None;
+        let mut is_changed = false;
+        for (known, values) in self.values.iter_mut().zip(values) {
+            is_changed |= *known != values;
+            *known = values;
+        }
+        let sizes = |cause: &MotionCause| self.values[cause.error].map(|value| cause.factor * value);
         let pose = |frame: &WalkFrame| match frame {
             WalkFrame::Base => Pose::identity(),
             WalkFrame::Link(k) => frames.links[*k],
@@ -174,11 +185,16 @@ impl TwoValuedWalk {
         };
         for step in &mut self.steps {
             match step {
-                WalkMotion::Turn { frame, axis, through, .. } => (*axis, *through) = placed(*frame),
+                WalkMotion::Turn { cause, frame, by, axis, through } => {
+                    (*axis, *through) = placed(*frame);
+                    if is_changed {
+                        *by = sizes(cause).map(Turn::new);
+                    }
+                }
                 WalkMotion::Slide(parts) => {
                     for part in parts {
                         let (direction, _) = placed(part.axis);
-                        part.by = part.values.map(|value| direction * value);
+                        part.by = sizes(&part.cause).map(|size| direction * size);
                     }
                 }
             }
@@ -202,12 +218,12 @@ impl TwoValuedWalk {
         let mut e = self.reached[from];
         for (k, step) in self.steps.iter().enumerate().skip(from) {
             e += match step {
-                WalkMotion::Turn { error, by, axis, through, .. } => {
-                    let (by, w) = (&by[value(*error)], p + e - *through);
+                WalkMotion::Turn { cause, by, axis, through, .. } => {
+                    let (by, w) = (&by[value(cause.error)], p + e - *through);
                     // Rodrigues' formula, as in the nonlinear model.
                     axis.cross(&w) * by.sin + (*axis * axis.dot(&w) - w) * by.versine
                 }
-                WalkMotion::Slide(parts) => parts.iter().map(|part| part.by[value(part.error)]).sum(),
+                WalkMotion::Slide(parts) => parts.iter().map(|part| part.by[value(part.cause.error)]).sum(),
             };
             self.reached[k + 1] = e;
         }

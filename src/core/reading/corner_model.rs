@@ -54,11 +54,10 @@ impl<'a> CornerModel<'a> {
             let is_small = flips.set_posture(&evaluator.sources, expansion, &measure, work, tip);
             is_small.then_some(flips)
         });
-        let walk = walk.filter(|_| measure.is_of_position());
-        let walk = walk.map(|walk| {
-            walk.set_posture(frames);
-            walk
-        });
+        let mut walk = walk.filter(|_| measure.is_of_position());
+        if let Some(walk) = &mut walk {
+            walk.set_posture(frames, evaluator.sources.ends());
+        }
         Self { evaluator, context, frames, measure, prediction, walk }
     }
 

@@ -4,7 +4,7 @@ use crate::cell::{
     Cell, MAX_ERRORS, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, SignedErrors, Spread,
     Tolerance,
 };
-use crate::kinematic_error::{Expansion, FrameError, Perturbation, TwoValuedError, TwoValuedWalk};
+use crate::kinematic_error::{Expansion, FrameError, Perturbation, TwoValuedWalk};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
@@ -145,16 +145,16 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the walk through the small motions of the robot at the corners of the tolerance box. The first
-    /// value of a parameter error is the upper end of its tolerance. Returns None if the walk does not
-    /// support the sources.
+    /// Returns the walk through the small motions of the robot at the corners of the tolerance box; None if
+    /// the walk does not support the sources.
     pub fn corner_walk(&self, chain: &Chain) -> Option<TwoValuedWalk> {
-        let error = |source: &ErrorSource| {
-            let values = [1.0, -1.0].map(|sign| source.at(sign));
-            Some(TwoValuedError { parameter: source.robot?, values })
-        };
-        let errors: Option<Vec<TwoValuedError>> = self.list.iter().map(error).collect();
-        TwoValuedWalk::new(chain, &errors?)
+        let parameters: Option<Vec<usize>> = self.list.iter().map(|source| source.robot).collect();
+        TwoValuedWalk::new(chain, &parameters?)
+    }
+
+    /// Returns the upper and the lower end of the tolerance of each source.
+    pub fn ends(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.list.iter().map(|source| [source.at(1.0), source.at(-1.0)])
     }
 
     /// Returns two entries: one for the work equipment, then one for the equipment from which the part was
