@@ -80,18 +80,54 @@ impl Workcell {
         LayoutCertificate { operations, overlaps }
     }
 
+    /// Returns whether the operation certainly works at every misplacement within the tolerances, in the
+    /// postures of [`Self::held_nodes`]. If there is a limit, the value must also certainly stay within it.
+    pub(super) fn holds_within(
+        &self,
+        layout: &Layout,
+        map: &OperationMap,
+        spots: &[Option<Spot>],
+        limit: Option<f64>,
+    ) -> bool {
+        let mut overlaps = Vec::new();
+        self.wide.overlaps(layout, &mut overlaps);
+        if overlaps.iter().any(is_between_solids) {
+            return false;
+        }
+        let mut misplacements = Misplacements::default();
+        misplacements.set(&self.cell, layout, self.cell.robot.reach());
+        let operation = map.operation;
+        let demand = Demand { value: Some(&self.value_bounds[operation]), ..self.demand(&misplacements) };
+        let (placed, mut memory) = (self.placed(layout), MapperWorkspace::default());
+        let mut bound = |spot: Spot| {
+            placed.certify(operation, spots, &spot, &demand, &mut memory).ok()?;
+            match limit {
+                None => Some(0.0),
+                Some(_) => placed.most(operation, spots, &spot, &demand, &mut memory).ok()?,
+            }
+        };
+        let most: Option<Vec<f64>> = self.shown_spots(map).map(&mut bound).collect();
+        let over = self.cell.operations[operation].over;
+        most.is_some_and(|mut most| limit.is_none_or(|limit| over.of(&mut most) <= limit))
+    }
+
     /// Returns the postures of an operation at its spot, or at all of its nodes if the operation happens at
     /// every node.
     pub(super) fn held_nodes(&self, layout: &Layout, map: &OperationMap) -> Vec<HeldPosture> {
-        let placed = self.placed(layout);
+        let (placed, grid) = (self.placed(layout), self.mapper.grid(map.operation));
+        let hold = |spot: Spot| placed.hold(map.operation, grid.local(spot.node), spot.branch);
+        self.shown_spots(map).filter_map(hold).collect()
+    }
+
+    /// Returns the postures that the map shows at the spot of its operation, or at all of its nodes if the
+    /// operation happens at every node.
+    fn shown_spots<'m>(&self, map: &'m OperationMap) -> impl Iterator<Item = Spot> + use<'m> {
         let all = self.cell.operations[map.operation].over.needs_every_node();
-        let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
-        let held = nodes.filter_map(|(k, node)| {
-            let posture = node.posture.as_ref()?;
-            let at = self.mapper.grid(map.operation).local(k);
-            placed.hold(map.operation, at, posture.branch)
-        });
-        held.collect()
+        let nodes = map.nodes.iter().enumerate().filter(move |(k, _)| all || map.best == Some(*k));
+        nodes.filter_map(|(node, record)| {
+            let posture = record.posture.as_ref()?;
+            Some(Spot { node, branch: posture.branch, value: posture.value })
+        })
     }
 }
 

@@ -24,7 +24,7 @@
 //!   repeated for that check. A failure that occurs only between two checked sizes is missed. A certified
 //!   operation needs no check up to the tolerances themselves ([`crate::certificate`]).
 
-use super::certify::{OperationCertificate, is_between_solids};
+use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
 use crate::cell::{Layout, Slot};
@@ -159,17 +159,11 @@ impl Workcell {
             return vec![None; maps.len()];
         }
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
-        let certificate = self.certificate(layout, maps);
         let robustness = |map: &OperationMap| {
+            let value = map.value?;
             let held = self.held(layout, map, &spots);
-            let most = match certificate.operations[map.operation] {
-                Some(Ok(OperationCertificate { most })) if certificate.overlaps.is_empty() => Some(most),
-                _ => None,
-            };
-            let keeps_limit =
-                |most: Option<f64>| held.limit.is_none_or(|limit| most.is_some_and(|most| most <= limit));
-            let is_certified = most.is_some_and(keeps_limit);
-            Some(HeldOperation { is_certified, ..held }.robustness(map.value?))
+            let is_certified = self.holds_within(layout, map, &spots, held.limit);
+            Some(HeldOperation { is_certified, ..held }.robustness(value))
         };
         maps.iter().map(robustness).collect()
     }
