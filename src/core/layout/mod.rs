@@ -5,6 +5,7 @@ mod cycle;
 mod ending;
 mod evaluation;
 mod goals;
+mod held_judgement;
 mod held_layout;
 mod maps;
 mod measurable;
