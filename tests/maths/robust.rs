@@ -1,7 +1,7 @@
 //! Tests the refined spot and the effect of misplacements on a layout. The references are cells with changed
 //! numbers, finer grids and scans.
 
-use crate::common::{from_text, shipped};
+use crate::common::{buildable, from_text, shipped};
 use nalgebra::{Vector2, Vector3};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Layout, Place, Reading, Slot};
@@ -504,4 +504,32 @@ fn placement_tolerances_are_read_in_si_units() {
     // The base has two tolerances, and the table has four. Coordinates without a tolerance are not listed.
     let listed: Vec<usize> = cell.placement_tolerances().iter().map(Vec::len).collect();
     assert_eq!(listed[..2], [2, 4]);
+}
+
+/// The corners of the tolerances are always checked, also if a certificate replaces the search for the largest
+/// misplacement up to the tolerances. If all misplacements up to the tolerances are allowed, no corner is lost.
+#[test]
+fn no_corner_is_lost_within_the_largest_allowed_misplacement() {
+    let (mut wide, mut count) = (0, 0);
+    for name in ["drilling_cell.toml", "five_axis_cell.toml", "hitachi_cell.toml", "palletizer_cell.toml"] {
+        for mut cell in [shipped(name), buildable(name)] {
+            cell.search.budget = 300;
+            let workcell = Workcell::new(cell).unwrap();
+            let watch = Watch { progress: &|_| (), stop: &AtomicBool::new(false) };
+            let best = search(&workcell, &workcell.cell.search, &watch).best;
+            let maps = workcell.maps(&best.layout);
+            for (map, robustness) in maps.iter().zip(workcell.robustness(&best.layout, &maps)) {
+                let Some((r, scale)) = robustness.as_ref().and_then(|r| Some((r, r.scale.as_ref()?))) else {
+                    continue;
+                };
+                let limit = workcell.cell.operations[map.operation].limit;
+                let misses = r.worst.as_ref().zip(limit).is_some_and(|(worst, limit)| worst.value > limit);
+                let holds = r.lost.is_empty() && !misses;
+                assert!(scale.most < 1.0 || holds, "{name}, operation {}: {r:?}", map.operation);
+                wide += usize::from(scale.most >= 1.0);
+                count += 1;
+            }
+        }
+    }
+    assert!(wide > 4 && count > 8, "{wide} of {count}");
 }

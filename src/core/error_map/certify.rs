@@ -42,8 +42,7 @@ impl OperationQuery<'_> {
         demand: &Demand<'_>,
         memory: &mut PostureMemory,
     ) -> Result<Option<f64>, NotCertified> {
-        let nominal = self.nominal(target, branch, demand)?;
-        let joints = self.joint_box(&nominal, &nominal.frames, &nominal.joints, &[0.0; MAX_JOINTS])?;
+        let (nominal, joints) = self.boxed(target, branch, demand)?;
         let Nominal { frames, task, .. } = &nominal;
         let mapper = self.placed.mapper;
         self.check_singularity(&joints, task, frames)?;
@@ -68,9 +67,23 @@ impl OperationQuery<'_> {
         demand: &Demand<'_>,
         memory: &mut PostureMemory,
     ) -> Result<Option<f64>, NotCertified> {
+        let (nominal, joints) = self.boxed(target, branch, demand)?;
+        Ok(self.bound(&nominal, &joints, demand, memory))
+    }
+
+    /// Returns the nominal posture of a branch, and bounds on its joint coordinates over all misplacements.
+    ///
+    /// # Errors
+    /// Returns the reason if the branch does not exist, or if a joint limit may be exceeded.
+    fn boxed(
+        &self,
+        target: &Vector3<f64>,
+        branch: Option<Branch>,
+        demand: &Demand<'_>,
+    ) -> Result<(Nominal, JointEnclosure), NotCertified> {
         let nominal = self.nominal(target, branch, demand)?;
         let joints = self.joint_box(&nominal, &nominal.frames, &nominal.joints, &[0.0; MAX_JOINTS])?;
-        Ok(self.bound(&nominal, &joints, demand, memory))
+        Ok((nominal, joints))
     }
 
     /// Returns an upper bound of the operation's value over all misplacements; None if `demand` asks for no
