@@ -8,6 +8,7 @@ use crate::error_map::PostureOrder;
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
 use crate::pose::Pose;
+use crate::proof;
 use nalgebra::{Rotation3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,16 +46,21 @@ pub struct OperationOrderEntry {
     pub judges: String,
     /// Reason why the search judges every posture; null if the search skips some postures.
     pub why: Option<String>,
+    /// Reason why the search excludes no nodes by a value field (lower bounds that hold in every layout);
+    /// null if it does.
+    #[serde(default)]
+    pub why_no_field: Option<String>,
 }
 
 impl OperationOrderEntry {
     /// Returns the entry of every operation in the start layout.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
-        let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
-        let entry = |(operation, order): (&Operation, PostureOrder)| Self {
+        let operations = workcell.cell.operations.iter().zip(workcell.posture_orders()).enumerate();
+        let entry = |(k, (operation, order)): (usize, (&Operation, PostureOrder))| Self {
             name: operation.name.clone(),
             judges: order.name().into(),
             why: order.reason().map(String::from),
+            why_no_field: proof::why_no_field(workcell, k).map(String::from),
         };
         operations.map(entry).collect()
     }

@@ -53,4 +53,5 @@ mod resume;
 mod robust;
 mod search;
 mod solvers;
+mod value_field;
 mod verification;

@@ -5,6 +5,7 @@ use crate::common::{cases, data, shipped};
 use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{
     Attitude, Cell, Coordinate, ErrorSet, Frame, JointKind, Layout, MeasuredErrors, Model, NodeAggregation,
     Parameter, Place, Placement, Quantity, Reading, Robot, Row, Sense, SignedErrors, Spin, Unit,
@@ -12,27 +13,33 @@ use sweetspot::cell::{
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
+use sweetspot::proof::rank_nodes;
 use sweetspot::reading::{WorkContext, WorkFrame};
 
-/// Cell that is evaluated with ranking, and with every node judged one by one.
+/// Cell that is evaluated with ranking, also with value fields, and with every node judged one by one.
 struct RankedPair {
     ranked: Workcell,
+    with_fields: Workcell,
     judged: Workcell,
-    memory: [Workspace; 2],
+    memory: [Workspace; 3],
 }
 
 impl RankedPair {
     fn new(cell: &Cell) -> Result<Self, String> {
         let judged = Workcell::new(cell.clone())?.unranked();
-        Ok(Self { ranked: Workcell::new(cell.clone())?, judged, memory: Default::default() })
+        let [ranked, with_fields] = [Workcell::new(cell.clone())?, Workcell::new(cell.clone())?];
+        rank_nodes(&with_fields, &AtomicBool::new(false));
+        Ok(Self { ranked, with_fields, judged, memory: Default::default() })
     }
 
-    /// Compares both evaluations of a layout. Returns the numbers of operations with a spot, with only
+    /// Compares the three evaluations of a layout. Returns the numbers of operations with a spot, with only
     /// colliding postures, and out of reach.
     fn compare(&mut self, layout: &Layout) -> [usize; 3] {
         let got = evaluate_in(&self.ranked, layout, &mut self.memory[0]);
         let want = evaluate_in(&self.judged, layout, &mut self.memory[1]);
         assert_eq!((&got, got.cost.to_bits()), (&want, want.cost.to_bits()), "{layout:?}");
+        let by_field = evaluate_in(&self.with_fields, layout, &mut self.memory[2]);
+        assert_eq!((&by_field, by_field.cost.to_bits()), (&want, want.cost.to_bits()), "{layout:?}");
         let mut counts = [0; 3];
         for (got, want) in got.outcomes.iter().zip(&want.outcomes) {
             let key = |outcome: &Outcome| match outcome {

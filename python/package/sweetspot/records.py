@@ -1473,6 +1473,10 @@ class OperationOrderEntry(Record):
     """
     why: Optional[str]
     """Reason why the search judges every posture; null if the search skips some postures."""
+    why_no_field: Optional[str]
+    """Reason why the search excludes no nodes by a value field (lower bounds that hold in every layout); null if
+    it does.
+    """
 
 
 class OperationReadings(Record):

@@ -10,6 +10,7 @@ use crate::cli::{Exit, cache, json_text, loading, output};
 use crate::error_map::PostureOrder;
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
+use crate::proof;
 use crate::reach::Inverse;
 use crate::record::{CHECK_SCHEMA, CheckDocument, OperationOrderEntry, OwnPairEntry, UrdfEntry};
 use crate::report;
@@ -106,12 +107,19 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
-/// Returns a line about the inverse kinematics, and a line per operation about the postures that a search
-/// judges.
+/// Returns a line about the inverse kinematics, and a line per operation about the nodes and postures that a
+/// search judges.
 fn posture_orders(workcell: &Workcell) -> String {
-    let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
-    let line = |(o, order): (&Operation, PostureOrder)| {
-        format!("\n{}: a search {}", shown(&o.name), order.in_words())
+    let operations = workcell.cell.operations.iter().zip(workcell.posture_orders()).enumerate();
+    let line = |(k, (o, order)): (usize, (&Operation, PostureOrder))| {
+        let (name, order_in_words) = (shown(&o.name), order.in_words());
+        match proof::why_no_field(workcell, k) {
+            None => format!("\n{name}: a search excludes nodes by a value field, then {order_in_words}"),
+            Some(_) if order == PostureOrder::RankedNodes => {
+                format!("\n{name}: a search {order_in_words}")
+            }
+            Some(why) => format!("\n{name}: a search {order_in_words}; no value field: {why}"),
+        }
     };
     let family = format!("\ninverse kinematics: {}", workcell.inverse().family());
     std::iter::once(family).chain(operations.map(line)).collect()

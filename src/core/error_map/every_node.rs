@@ -3,6 +3,7 @@
 
 use super::candidate::PostureCandidate;
 use super::family_queue::FamilyQueue;
+use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, PostureVisitor};
@@ -181,16 +182,17 @@ impl OperationQuery<'_> {
         {
             return Ok(None);
         }
-        let mut heap = BinaryHeap::from(std::mem::take(*candidates));
+        let (mut heap, mut no_others) =
+            (BinaryHeap::from(std::mem::take(*candidates)), NodeRanking::default());
         let found = match has_families {
             true => {
                 let waiting = BinaryHeap::from(std::mem::take(*families));
                 let mut queue = FamilyQueue { families: waiting, judged: heap, is_nearest_known: false };
-                let found = self.first_free_of_families(&mut queue, postures);
+                let found = self.first_free_of_families(&mut queue, &mut no_others, postures);
                 (**families, heap) = (queue.families.into_vec(), queue.judged);
                 found
             }
-            false => self.first_free_of_bounds(&mut heap, postures),
+            false => self.first_free_of_bounds(&mut heap, &mut no_others, postures),
         };
         **candidates = heap.into_vec();
         // Without a usable posture, the node may be out of reach. Spin families do not report this case.

@@ -59,6 +59,12 @@ pub struct FamilyQueue {
 }
 
 impl FamilyQueue {
+    /// Returns the least bound of the families and the best judged posture; infinite without both.
+    pub fn least(&self) -> f64 {
+        let family = self.families.peek().map_or(f64::INFINITY, |family| family.bound);
+        self.judged.peek().map_or(family, |best| family.min(best.spot.value))
+    }
+
     /// Removes and returns the family or member with the least bound.
     ///
     /// Returns None if this bound exceeds the value of the best judged posture, or if no family is left.

@@ -145,7 +145,8 @@ impl OperationQuery<'_> {
             ArmContact::BeforeLastJoint => return false,
         };
         self.posture(candidate, memory).is_some_and(|posture| {
-            let PostureMemory { frames, contacts, .. } = memory;
+            let PostureMemory { frames, contacts, counts, .. } = memory;
+            counts.contacts += 1;
             mapper.arm.chain.place(&posture, frames);
             mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts)
         })

@@ -5,6 +5,7 @@
 
 use super::candidate::{Certainty, PostureCandidate};
 use super::first_free::FirstFree;
+use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::walk::{OperationQuery, PostureVisitor};
@@ -35,6 +36,18 @@ impl PostureVisitor for AllCandidates<'_> {
     }
 }
 
+/// Candidates whose values may be lower bounds.
+struct BoundedCandidates<'h>(&'h mut BinaryHeap<PostureCandidate>);
+
+impl PostureVisitor for BoundedCandidates<'_> {
+    const NEEDS_GAP: bool = false;
+    const TAKES_BOUNDS: bool = true;
+
+    fn candidate(&mut self, candidate: PostureCandidate) {
+        self.0.push(candidate);
+    }
+}
+
 impl PlacedLayout<'_> {
     /// Finds the least-error usable spot of an operation. `spots` holds the spots of the earlier
     /// operations.
@@ -51,7 +64,9 @@ impl PlacedLayout<'_> {
         let attitudes = std::mem::take(&mut workspace.attitudes);
         let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let mut memory = workspace.of(self.mapper, operation);
-        let outcome = query.ranked(&mut memory).or_else(|| query.by_spin_families(&mut memory));
+        let outcome = query.ranked(&mut memory);
+        let outcome = outcome.or_else(|| query.by_spin_families(&mut memory));
+        let outcome = outcome.or_else(|| query.by_value_field(&mut memory));
         let outcome = outcome.unwrap_or_else(|| query.judged(&mut memory));
         workspace.attitudes = query.attitudes;
         outcome
@@ -93,21 +108,58 @@ impl OperationQuery<'_> {
             Ok(_) => {}
         }
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
-        let found = self.first_free_of_bounds(&mut heap, postures);
+        let found = self.first_free_of_bounds(&mut heap, &mut NodeRanking::default(), postures);
         **candidates = heap.into_vec();
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
+    /// Finds the spot, but judges only nodes whose bound in the value field is at most the least value found.
+    ///
+    /// Returns None if the operation has spin families or no field, if no node can be reached, or if the
+    /// errors cannot be computed. The spot is bit-identical to the spot that [`Self::judged`] finds.
+    fn by_value_field(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
+        let WalkMemory { candidates, ranking, postures, .. } = memory;
+        let lacks_families = self.placed.mapper.lacks_families(self.operation, &self.attitudes);
+        if lacks_families.is_none() || self.context.is_err() || !self.rank_by_field(ranking) {
+            return None;
+        }
+        candidates.clear();
+        let mut heap = BinaryHeap::from(std::mem::take(*candidates));
+        let found = self.first_free_of_bounds(&mut heap, ranking, postures);
+        **candidates = heap.into_vec();
+        found.outcome()
+    }
+
+    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes, the
+    /// function removes all nodes from `ranking` and returns false.
+    pub(super) fn rank_by_field(&self, ranking: &mut NodeRanking) -> bool {
+        let (grid, mapper) = (&self.setup.grid, self.placed.mapper);
+        ranking.clear();
+        let field = mapper.value_field(self.operation, self.at.z + grid.standoff());
+        let Some(field) = field else { return false };
+        ranking.set(grid.count(), |bounds| {
+            grid.targets(&self.at, |node, target| bounds[node] = field.bound(&target));
+        });
+        true
+    }
+
     /// Checks candidates in ascending order of their values or bounds, until a candidate can be used. A bound
-    /// is sharpened when its candidate comes first.
+    /// is sharpened when its candidate comes first. A node in `ranking` is visited when its bound does not
+    /// exceed the least value or bound of the candidates.
     pub(super) fn first_free_of_bounds(
         &self,
         heap: &mut BinaryHeap<PostureCandidate>,
+        ranking: &mut NodeRanking,
         postures: &mut PostureMemory,
     ) -> FirstFree {
         let mut is_nearest_known = false;
         self.first_free(postures, |memory| {
-            while let Some(candidate) = heap.pop() {
+            loop {
+                while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
+                    let Some(node) = ranking.pop() else { break };
+                    self.visit(node, self.node_target(node), memory, &mut BoundedCandidates(heap));
+                }
+                let candidate = heap.pop()?;
                 // A posture that cannot be used needs no value, unless it is the candidate with the least
                 // value.
                 let is_last = match candidate.certainty {
@@ -124,7 +176,6 @@ impl OperationQuery<'_> {
                 }
                 heap.extend(self.sharpened(&candidate, memory));
             }
-            None
         })
     }
 
@@ -149,7 +200,7 @@ impl OperationQuery<'_> {
             // smaller index. This node is therefore also judged.
             while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
                 let Some(node) = ranking.pop() else { break };
-                self.visit(node, self.setup.grid.target(&self.at, node), memory, &mut heap);
+                self.visit(node, self.node_target(node), memory, &mut heap);
             }
             heap.pop()
         });

@@ -1,6 +1,7 @@
 //! Map of an operation: every node with its posture and errors, or the reason why the node cannot be used.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
+use super::node_ranking::NodeRanking;
 use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
@@ -157,7 +158,7 @@ impl OperationQuery<'_> {
             (Ok(context), None) => context,
         };
         let mut heap = BinaryHeap::from(std::mem::take(candidates));
-        let found = self.first_free_of_bounds(&mut heap, memory);
+        let found = self.first_free_of_bounds(&mut heap, &mut NodeRanking::default(), memory);
         *candidates = heap.into_vec();
         let (status, shown) = match found.free {
             Some(free) => (Status::Ok, Some(free)),

@@ -4,6 +4,7 @@ use super::grid::Grid;
 use super::held_posture::HeldPosture;
 use super::operation_setup::OperationSetup;
 use super::simd::Ranker;
+use super::value_field::ValueField;
 use crate::allocation::TolerancePricing;
 use crate::cell::{Cell, Coordinate, JointVector, Operation, Unit};
 use crate::clearance::Scene;
@@ -13,7 +14,7 @@ use crate::reading::ErrorEvaluator;
 use crate::robot::{Chain, Frames};
 use crate::safe_text::shown;
 use nalgebra::Vector3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Robot, solids, errors and operations of a cell, prepared for any layout.
 pub struct Mapper {
@@ -24,6 +25,9 @@ pub struct Mapper {
     pub(super) guard: Option<Guard>,
     /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
+    /// Value fields of each operation, one for each of its ranges of height, once they are known. The list of
+    /// an operation without fields is empty.
+    fields: OnceLock<Vec<Vec<ValueField>>>,
     /// Whether the search skips postures whose lower bound exceeds the best value found.
     pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
@@ -68,7 +72,8 @@ impl Mapper {
         };
         let rankers = setups.iter().map(ranker).collect();
         let guard = Guard::new(cell);
-        Ok(Self { arm, scene, setups, guard, rankers, ranks: true, shells, tolerances })
+        let fields = OnceLock::new();
+        Ok(Self { arm, scene, setups, guard, rankers, fields, ranks: true, shells, tolerances })
     }
 
     /// Returns the cost of the tightest tolerances; 0 if the cell does not price tolerances.
@@ -127,9 +132,25 @@ impl Mapper {
         self.setups.iter_mut().for_each(|setup| setup.evaluator.report_own_sense());
     }
 
+    /// Keeps the value fields that `compute` returns, if no fields are kept yet. The function `compute`
+    /// returns the list of fields of every operation, or None if it was stopped.
+    pub fn keep_value_fields(&self, compute: impl FnOnce() -> Option<Vec<Vec<ValueField>>>) {
+        if self.ranks && self.fields.get().is_none() {
+            // Two threads compute equal fields, so either may be kept.
+            compute().into_iter().for_each(|fields| drop(self.fields.set(fields)));
+        }
+    }
+
+    /// Returns the value field of an operation for targets at the height `z` in the base frame, m. Returns
+    /// None if no such field is kept.
+    pub(super) fn value_field(&self, operation: usize, z: f64) -> Option<&ValueField> {
+        self.fields.get()?[operation].iter().find(|field| field.has_height(z))
+    }
+
     /// Switches off the ranking of nodes, so that every node is judged.
     pub fn forget_ranks(&mut self) {
         self.rankers.fill(None);
+        self.fields = OnceLock::new();
         self.ranks = false;
     }
 

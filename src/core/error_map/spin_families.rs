@@ -9,6 +9,7 @@
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};
 use super::first_free::FirstFree;
+use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot};
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{PostureMemory, WalkMemory};
@@ -27,33 +28,46 @@ impl OperationQuery<'_> {
         if lacks_families.is_some() || self.context.is_err() {
             return None;
         }
-        let WalkMemory { candidates, families, postures, .. } = memory;
+        let WalkMemory { candidates, families, ranking, postures } = memory;
         candidates.clear();
         families.clear();
         postures.firsts.clear();
-        self.setup.grid.targets(&self.at, |node, target| {
-            self.visit_families(node, target, postures, families, *candidates);
-        });
+        if !self.rank_by_field(ranking) {
+            self.setup.grid.targets(&self.at, |node, target| {
+                self.visit_families(node, target, postures, families, *candidates);
+            });
+        }
         let mut queue = FamilyQueue {
             families: BinaryHeap::from(std::mem::take(*families)),
             judged: BinaryHeap::from(std::mem::take(*candidates)),
             is_nearest_known: false,
         };
-        let found = self.first_free_of_families(&mut queue, postures);
+        let found = self.first_free_of_families(&mut queue, ranking, postures);
         (**families, **candidates) = (queue.families.into_vec(), queue.judged.into_vec());
         found.outcome()
     }
 
     /// Checks the members of families in ascending order of their values or bounds, until a member can be
-    /// used.
+    /// used. A node in `ranking` is visited when its bound does not exceed the least bound in the queue.
     pub(super) fn first_free_of_families(
         &self,
         queue: &mut FamilyQueue,
+        ranking: &mut NodeRanking,
         postures: &mut PostureMemory,
     ) -> FirstFree {
         self.first_free(postures, |memory| {
-            while let Some(family) = queue.next_family() {
-                self.open(&family, queue, memory);
+            loop {
+                let ranked = if ranking.bound() <= queue.least() { ranking.pop() } else { None };
+                if let Some(node) = ranked {
+                    let (target, mut found) = (self.node_target(node), std::mem::take(&mut memory.opened));
+                    self.visit_families(node, target, memory, &mut found, &mut queue.judged);
+                    queue.families.extend(found.drain(..));
+                    memory.opened = found;
+                } else if let Some(family) = queue.next_family() {
+                    self.open(&family, queue, memory);
+                } else {
+                    break;
+                }
             }
             let next = queue.judged.pop();
             queue.is_nearest_known = queue.is_nearest_known || next.is_some();
@@ -74,10 +88,11 @@ impl OperationQuery<'_> {
         let Some(context) = self.context.as_ref().ok().filter(|context| !context.touches(&target)) else {
             return;
         };
-        let PostureMemory { scratch, frames, posture, firsts, .. } = memory;
+        let PostureMemory { scratch, frames, posture, firsts, counts, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
         let spins = self.attitudes.spin_rotations();
         let reach = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
+            counts.postures += 1;
             arm.chain.place(posture, frames);
             let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
             families.push(SpinFamily { bound, node, branch, first: firsts.len(), member: None, target });
@@ -87,6 +102,8 @@ impl OperationQuery<'_> {
             families.truncate(count);
             let known = if V::NEEDS_GAP { FamilyReach::Complete } else { reach };
             self.visit_branches(known, node, target, memory, others);
+        } else {
+            counts.nodes += 1;
         }
     }
 
@@ -108,7 +125,7 @@ impl OperationQuery<'_> {
                 return;
             }
         }
-        let PostureMemory { scratch, frames, posture, contacts, firsts, .. } = memory;
+        let PostureMemory { scratch, frames, posture, contacts, firsts, counts, .. } = memory;
         let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
         let judged = |spot, contact| PostureCandidate {
             spot,
@@ -125,6 +142,7 @@ impl OperationQuery<'_> {
             let Some(posture) = inverse.member(&target, &self.attitudes, branch, &firsts[first]) else {
                 return;
             };
+            counts.postures += 1;
             chain.place(&posture, frames);
             let (value, certainty) = self.setup.sharpened(certainty, context, frames, scratch);
             if certainty == Certainty::Value {
@@ -135,23 +153,22 @@ impl OperationQuery<'_> {
             }
             return;
         }
-        let (mut known, mut before) = (None, None);
-        let family = (branch, &firsts[first]);
+        // The members differ in the last joint alone.
+        counts.contacts += 1;
+        chain.place(&firsts[first], frames);
+        let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
+        let contact =
+            match mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts) {
+                true => ArmContact::OnlyBehindLastJoint,
+                false => ArmContact::BeforeLastJoint,
+            };
+        if is_useless(contact) {
+            return;
+        }
+        let (mut before, family) = (None, (branch, &firsts[first]));
         inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
-            if known.is_some_and(is_useless) {
-                return;
-            }
+            counts.postures += 1;
             chain.place(posture, frames);
-            let contact = *known.get_or_insert_with(|| {
-                let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
-                match mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts) {
-                    true => ArmContact::OnlyBehindLastJoint,
-                    false => ArmContact::BeforeLastJoint,
-                }
-            });
-            if is_useless(contact) {
-                return;
-            }
             if evaluator.has_dear_spin_bound() || evaluator.has_one_value_over_spins() {
                 let value = match before {
                     Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,

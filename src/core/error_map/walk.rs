@@ -70,6 +70,8 @@ impl PostureVisitor for Vec<PostureCandidate> {
 }
 
 impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
+    const NEEDS_GAP: bool = false;
+
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.push(candidate);
     }
@@ -93,6 +95,11 @@ impl<'a> OperationQuery<'a> {
         let context = placed.work_context(operation, spots);
         let kept = placed.kept_posture(operation);
         Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context, kept }
+    }
+
+    /// Returns the TCP target of a node, in the base frame, m.
+    pub(super) fn node_target(&self, node: usize) -> Vector3<f64> {
+        self.setup.grid.target(&self.at, node)
     }
 
     /// Visits every node, in the order of the grid.
@@ -126,7 +133,8 @@ impl<'a> OperationQuery<'a> {
         visitor: &mut V,
     ) {
         let arm = &self.placed.mapper.arm;
-        let PostureMemory { scratch, frames, posture, .. } = memory;
+        let PostureMemory { scratch, frames, posture, counts, .. } = memory;
+        counts.nodes += 1;
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
@@ -136,6 +144,7 @@ impl<'a> OperationQuery<'a> {
         let mut judge = |branch: u64, posture: &Posture| {
             reached = true;
             if let Some(context) = context {
+                counts.postures += 1;
                 arm.chain.place(posture, frames);
                 let value = match before {
                     Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,

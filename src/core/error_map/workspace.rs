@@ -3,8 +3,8 @@
 use super::candidate::PostureCandidate;
 use super::family_queue::SpinFamily;
 use super::mapper::Mapper;
+use super::node_ranking::NodeRanking;
 use super::operation_setup::ValueScratch;
-use super::simd::Ranking;
 use crate::allocation::FigureScratch;
 use crate::clearance::ContactMemory;
 use crate::reach::ToolAttitudes;
@@ -16,11 +16,33 @@ pub struct MapperWorkspace {
     pub(super) candidates: Vec<PostureCandidate>,
     pub(super) families: Vec<SpinFamily>,
     pub(super) attitudes: ToolAttitudes,
-    pub(super) ranking: Ranking,
+    pub(super) ranking: NodeRanking,
     /// Memory for the joint price of all operations.
     pub(super) price: FigureScratch,
     /// Memory of each operation.
     postures: Vec<PostureMemory>,
+}
+
+/// Work that the search for spots has done with the memory of a thread.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WalkCounts {
+    /// Number of nodes at which the inverse kinematics was solved.
+    pub nodes: u64,
+    /// Number of postures for which a value or a lower bound was computed. A bound that holds for all members
+    /// of a spin family counts once.
+    pub postures: u64,
+    /// Number of postures that were checked for contact.
+    pub contacts: u64,
+}
+
+impl std::iter::Sum for WalkCounts {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| Self {
+            nodes: a.nodes + b.nodes,
+            postures: a.postures + b.postures,
+            contacts: a.contacts + b.contacts,
+        })
+    }
 }
 
 /// Memory for judging the postures of one operation.
@@ -28,10 +50,13 @@ pub struct PostureMemory {
     pub scratch: ValueScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
+    pub counts: WalkCounts,
     /// Buffer into which the inverse kinematics writes a posture.
     pub posture: Posture,
     /// First members of the spin families found so far ([`super::candidate::PostureCandidate::first`]).
     pub firsts: Vec<Posture>,
+    /// Buffer for the spin families of one node.
+    pub opened: Vec<SpinFamily>,
     /// Buffer for the members of a spin family: branch indices and postures.
     pub members: Vec<(u64, Posture)>,
 }
@@ -46,8 +71,10 @@ impl PostureMemory {
             },
             frames: Frames::default(),
             contacts: ContactMemory::default(),
+            counts: WalkCounts::default(),
             posture: mapper.inverse().scratch(),
             firsts: Vec::new(),
+            opened: Vec::new(),
             members: Vec::new(),
         }
     }
@@ -57,11 +84,16 @@ impl PostureMemory {
 pub struct WalkMemory<'w> {
     pub candidates: &'w mut Vec<PostureCandidate>,
     pub families: &'w mut Vec<SpinFamily>,
-    pub ranking: &'w mut Ranking,
+    pub ranking: &'w mut NodeRanking,
     pub postures: &'w mut PostureMemory,
 }
 
 impl MapperWorkspace {
+    /// Returns the work done so far.
+    pub fn counts(&self) -> WalkCounts {
+        self.postures.iter().map(|memory| memory.counts).sum()
+    }
+
     /// Lends the memory of one operation. Missing memory is created first.
     pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> WalkMemory<'_> {
         for missing in self.postures.len()..=operation {

@@ -6,7 +6,7 @@ use super::workcell::Workcell;
 use crate::cell::{Cell, Layout, Misfit};
 use crate::certificate::Misplacements;
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{Outcome, PlacedLayout, Spot, Unjudged};
+use crate::error_map::{Outcome, PlacedLayout, Spot, Unjudged, WalkCounts};
 use crate::motion::{Blocked, Transfer};
 
 /// Penalty of every infeasible layout, as a multiple of [`Workcell::weight`].
@@ -91,6 +91,13 @@ pub struct Workspace {
     solids: PlacedSolids,
     spots: SpotMemory,
     misplacements: Misplacements,
+}
+
+impl Workspace {
+    /// Returns the work that the evaluations in this memory have done so far.
+    pub fn counts(&self) -> WalkCounts {
+        self.spots.counts()
+    }
 }
 
 /// Evaluates one layout: overlaps, reach, limits, errors and collisions.

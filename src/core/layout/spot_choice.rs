@@ -15,7 +15,7 @@ use super::workcell::Workcell;
 use crate::cell::Layout;
 use crate::certificate::NotCertified;
 use crate::error_map::{
-    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged,
+    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged, WalkCounts,
 };
 
 /// Greatest number of nodes that a robust search judges for one operation.
@@ -49,6 +49,11 @@ impl SpotMemory {
     /// Returns the memory of the search for spots.
     pub fn mapper(&mut self) -> &mut MapperWorkspace {
         &mut self.mapper
+    }
+
+    /// Returns the work done so far.
+    pub fn counts(&self) -> WalkCounts {
+        [&self.mapper, &self.bounds].into_iter().map(MapperWorkspace::counts).sum()
     }
 }
 

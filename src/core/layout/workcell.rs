@@ -4,7 +4,7 @@ use crate::cell::{Cell, Interpretation, Layout, Parameter, QuestionFault};
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
 use crate::cycle_time::RateBounds;
-use crate::error_map::{Demand, Mapper, PlacedLayout, PostureOrder};
+use crate::error_map::{Demand, Mapper, PlacedLayout, PostureOrder, ValueField};
 use crate::reach::Inverse;
 use crate::reading::ErrorEvaluator;
 use std::sync::Arc;
@@ -96,6 +96,12 @@ impl Workcell {
     pub fn unranked(mut self) -> Self {
         self.mapper.forget_ranks();
         self
+    }
+
+    /// Keeps the value fields that `compute` returns, if no fields are kept yet. The function `compute`
+    /// returns the list of fields of every operation, or None if it was stopped.
+    pub(crate) fn keep_value_fields(&self, compute: impl FnOnce() -> Option<Vec<Vec<ValueField>>>) {
+        self.mapper.keep_value_fields(compute);
     }
 
     /// Restricts each map to the sense of its operation. Maps are then computed several times faster.

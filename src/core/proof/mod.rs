@@ -28,6 +28,8 @@
 //! | `base_rows` | the sense in the base frame |
 //! | `task` | one operation, prepared for bounding |
 //! | `node_radii` | operations that happen at every node |
+//! | `joint_box` | a box of joint coordinates, its contraction by the constraints, and the bound in the box |
+//! | `value_field` | lower bounds over the height of a node and its distance from the base axis |
 //! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
 //!
 //! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
@@ -38,6 +40,7 @@ mod base_rows;
 mod branch_and_bound;
 mod coordinates;
 mod first_joint;
+mod joint_box;
 mod last_joint;
 mod linear_effects;
 mod node_radii;
@@ -47,10 +50,12 @@ mod rigid_factors;
 mod task;
 mod taylor_model;
 mod value_bound;
+mod value_field;
 mod witness;
 
 pub use region::OperationRegion;
 pub use value_bound::tangent;
+pub use value_field::{rank_nodes, value_fields, why_no_field};
 
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::layout::{Workcell, combined};

@@ -51,6 +51,9 @@ pub(super) struct Task<'a> {
     turned_first: bool,
     /// Whether a constraint can limit the distance of the TCP from the z axis of the base.
     limits_radius: bool,
+    /// Whether the first axis is the z axis of the base, and the bound of the value does not depend on the
+    /// angle of the first joint.
+    turns_about_base_axis: bool,
     /// Directions of the tool axis in all postures that satisfy the constraints.
     tool_axis: ToolAxisRange,
 }
@@ -141,7 +144,7 @@ impl<'a> Task<'a> {
             taught: None,
         };
         let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
-        let reach = screws.points[0].norm() + to_tip.from(0);
+        let reach = reach(&screws, &to_tip);
         let limits_radius = centred || !held[0];
         let limits = |c: &Constraint| limits_radius && (c.low > 0.0 || c.high < reach * reach);
         constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
@@ -161,6 +164,7 @@ impl<'a> Task<'a> {
             last,
             turned_first,
             limits_radius,
+            turns_about_base_axis: centred && held[0],
             tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
         task.lost = task.lost() + task.elastic_part();
@@ -269,8 +273,7 @@ impl<'a> Task<'a> {
                 }
                 let [one, two, three] =
                     [1, 2, 3].map(|power| self.to_tip.turned(&self.coordinates, radii, 0, 0, power));
-                let reach = self.screws.points[0].norm() + self.to_tip.from(0);
-                (g, h, 2.0 * (reach * three + 3.0 * one * two))
+                (g, h, 2.0 * (self.reach() * three + 3.0 * one * two))
             }
         };
         let (gradient, hessian) = self.coordinates.derivatives(&gradient, &hessian);
@@ -331,6 +334,17 @@ impl<'a> Task<'a> {
         self.limits_radius
     }
 
+    /// Returns whether the first axis is the z axis of the base, and the bound of the value does not depend on
+    /// the angle of the first joint.
+    pub fn turns_about_base_axis(&self) -> bool {
+        self.turns_about_base_axis
+    }
+
+    /// Returns an upper bound of the distance of the TCP from the origin of the base frame, m.
+    pub fn reach(&self) -> f64 {
+        reach(&self.screws, &self.to_tip)
+    }
+
     /// Returns working memory for [`Self::value`].
     pub fn memory(&self) -> EvaluatorScratch {
         self.evaluator.memory()
@@ -370,6 +384,12 @@ impl<'a> Task<'a> {
         }
         best
     }
+}
+
+/// Returns an upper bound of the distance of the TCP from the origin of the base frame, m. `to_tip` are the
+/// segments of the chain up to the TCP.
+fn reach(screws: &Screws, to_tip: &RigidPieces) -> f64 {
+    screws.points[0].norm() + to_tip.from(0)
 }
 
 /// Checks that neither the registration nor the pick nor the equipment errors of an operation prevent a

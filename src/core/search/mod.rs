@@ -45,9 +45,14 @@ pub use stopping::{SearchEnd, Stopping};
 
 use crate::cell::{Goals, Layout, SearchSettings};
 use crate::layout::{Evaluation, Workcell, evaluate};
+use crate::proof;
 use journal::SearchJournal;
 use problem::Problem;
 use record::Record;
+
+/// Least number of evaluations of a search that computes value fields ([`proof::rank_nodes`]) first. The
+/// fields of a cell take as long as about a thousand evaluations.
+const LEAST_FIELD_BUDGET: u64 = 4_000;
 
 /// Layout with its evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,6 +160,9 @@ pub fn search_job(
         None => SearchJournal::new(space.start(), stopping),
     };
     (job.keep)(journal.checkpoint(), Moment::Begun);
+    if settings.budget >= LEAST_FIELD_BUDGET {
+        proof::rank_nodes(workcell, watch.stop);
+    }
     let problem = Problem::new(workcell, &space, journal, watch, job.keep);
     solvers::explore(&problem, settings, space.start());
     solvers::polish(&problem);

@@ -256,10 +256,16 @@ fn check_states_which_postures_a_search_judges() {
     assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("ranked-nodes"), None));
     let (text, order) = judged("cells/ur_cell.toml");
     assert!(
-        text.contains(": a search skips spin families whose lower bound exceeds the best value found"),
+        text.contains(
+            ": a search excludes nodes by a value field, then skips spin families whose lower bound"
+        ),
         "{text}"
     );
-    assert_eq!(order["judges"], "spin-families");
+    assert_eq!((&order["judges"], &order["why_no_field"]), (&"spin-families".into(), &Value::Null));
+    let (text, order) = judged("cells/track_cell.toml");
+    let why = "its error depends on the direction of a node from the robot base";
+    assert!(text.contains(&format!("; no value field: {why}")), "{text}");
+    assert_eq!(order["why_no_field"], why);
     let (_, order) = judged("cells/offset_wrist_cell.toml");
     assert_eq!(order["judges"], "spin-families");
     // A seven-axis arm with offsets of 50 mm in shoulder and wrist has no closed form.
@@ -278,7 +284,7 @@ fn check_states_which_postures_a_search_judges() {
     );
     let (text, order) = judged("cells/numeric.toml");
     let why = "the inverse kinematics of the arm is numeric";
-    assert!(text.contains(&format!(": a search judges every posture: {why}")), "{text}");
+    assert!(text.contains(&format!("then judges every posture: {why}")), "{text}");
     assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("every-posture"), Some(why)));
 }
 

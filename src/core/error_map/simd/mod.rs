@@ -11,4 +11,4 @@ mod perturbed_chain;
 mod planar_arm;
 mod ranking;
 
-pub use ranking::{Ranker, Ranking};
+pub use ranking::Ranker;

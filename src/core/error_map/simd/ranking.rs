@@ -1,4 +1,4 @@
-//! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
+//! Lower bounds of the error at the nodes of a surface, computed for several nodes at once.
 //!
 //! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. Therefore
 //! no posture at the node has a value ([`ErrorEvaluator::value`]) below this bound. The scalar code judges
@@ -10,6 +10,7 @@ use super::perturbed_chain::PerturbedChain;
 use super::planar_arm::{Level, PlanarLanes};
 use crate::cell::{MAX_ROWS, Placement};
 use crate::error_map::grid::Grid;
+use crate::error_map::node_ranking::{GROUP, NodeRanking};
 use crate::pose::Pose;
 use crate::reach::{Inverse, ToolAttitudes};
 use crate::reading::ErrorEvaluator;
@@ -22,10 +23,6 @@ use pulp::{Arch, Simd, WithSimd};
 /// the lengths of the sense's directions. Rounding errors are typically 1e-14 m. Near a singular posture,
 /// they are 1e-10 m.
 const BOUND_MARGIN: f64 = 1e-9;
-
-/// Number of nodes in a group. [`Ranking::pop`] finds the best group first, then the best node in this
-/// group.
-const GROUP: usize = 2 * MAX_LANES;
 
 /// Ranker of the nodes of one operation by lower bounds of their errors.
 #[derive(Debug, Clone)]
@@ -53,15 +50,6 @@ struct RankingRow {
     built: Vector3<f64>,
     offset: f64,
     wanted: Vector3<f64>,
-}
-
-/// Lower bounds of the errors in one layout, in memory that is reused from layout to layout.
-#[derive(Default)]
-pub struct Ranking {
-    /// One bound per node, m; infinite if no posture reaches the node.
-    bounds: Vec<f64>,
-    /// Least bound in each group of nodes.
-    groups: Vec<f64>,
 }
 
 impl Ranker {
@@ -94,41 +82,17 @@ impl Ranker {
         at: &Placement,
         world: &Matrix3<f64>,
         attitudes: &ToolAttitudes,
-        ranking: &mut Ranking,
+        ranking: &mut NodeRanking,
     ) {
-        let Ranking { bounds, groups } = ranking;
-        bounds.resize(self.xs.len(), f64::INFINITY);
+        // A group of nodes fills whole vectors of the largest number of lanes.
+        debug_assert!(GROUP.is_multiple_of(MAX_LANES));
         let (sin, cos) = at.yaw.sin_cos();
         let row = |k: usize| self.row(&(world * self.rows[k.min(self.rows.len() - 1)]));
         let rows = &std::array::from_fn::<_, MAX_ROWS, _>(row)[..self.rows.len()];
-        Arch::new().dispatch(RankingPass { ranker: self, at, turn: (cos, sin), attitudes, rows, bounds });
-        bounds[self.count..].fill(f64::INFINITY);
-        groups.clear();
-        groups.extend(bounds.chunks(GROUP).map(least));
+        ranking.set(self.count, |bounds| {
+            Arch::new().dispatch(RankingPass { ranker: self, at, turn: (cos, sin), attitudes, rows, bounds });
+        });
     }
-}
-
-impl Ranking {
-    /// Returns the least bound of the nodes that were not removed yet.
-    pub fn bound(&self) -> f64 {
-        least(&self.groups)
-    }
-
-    /// Removes and returns the node with the least bound, or the first of several nodes with equal bounds.
-    /// Returns None if no reachable node is left.
-    pub fn pop(&mut self) -> Option<usize> {
-        let bound = self.bound();
-        let group = self.groups.iter().position(|b| *b == bound && *b < f64::INFINITY)?;
-        let nodes = &mut self.bounds[group * GROUP..][..GROUP];
-        let node = nodes.iter().position(|b| *b == bound)?;
-        nodes[node] = f64::INFINITY;
-        self.groups[group] = least(nodes);
-        Some(group * GROUP + node)
-    }
-}
-
-fn least(bounds: &[f64]) -> f64 {
-    bounds.iter().fold(f64::INFINITY, |a, &b| if b < a { b } else { a })
 }
 
 /// Computation of all bounds of one layout. The code is compiled once for each SIMD instruction set.

@@ -1,0 +1,120 @@
+//! Tests value fields against the values of single nodes, which the search finds without any bound.
+
+use crate::common::{cases, shipped};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::sync::atomic::AtomicBool;
+use sweetspot::cell::{Cell, ErrorSet, NodeAggregation, Place, Quantity, Reading, Registration, Sense, Spin};
+use sweetspot::error_map::{Grid, Outcome};
+use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::proof::{value_fields, why_no_field};
+use sweetspot::search::SearchSpace;
+
+/// Cells with value fields, and the least median ratio of the bound to the value of a node, in percent. The
+/// error of the signed sample of ur10e changes its sign with the radius, so its fields are less sharp.
+const CELLS: [(&str, f64); 6] = [
+    ("ur_cell.toml", 20.0),
+    ("scara_cell.toml", 85.0),
+    ("palletizer_cell.toml", 85.0),
+    ("five_axis_cell.toml", 85.0),
+    ("wrist_cell.toml", 85.0),
+    ("offset_wrist_cell.toml", 85.0),
+];
+
+/// Numbers of nodes that a field excludes, and of nodes that no posture reaches.
+#[derive(Default)]
+struct Unreachable {
+    excluded: usize,
+    all: usize,
+}
+
+/// Compares the fields of a cell with the values of one node per operation in random layouts. Returns the
+/// ratios of bound to value, in percent.
+fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unreachable) -> Vec<f64> {
+    (cell.collision, cell.search.ideal) = (false, true);
+    for operation in &mut cell.operations {
+        operation.place = Place::Points(vec![(0.05, -0.02)]);
+    }
+    let workcell = Workcell::new(cell).unwrap().unranked();
+    let (cell, space) = (&workcell.cell, SearchSpace::new(&workcell.cell));
+    let stop = AtomicBool::new(false);
+    let fields: Vec<_> =
+        (0..cell.operations.len()).map(|k| value_fields(&workcell, k, &stop).unwrap()).collect();
+    let mut ratios = Vec::new();
+    for _ in 0..layouts {
+        let point: Vec<f64> = (0..space.dimensions()).map(|_| rng.random()).collect();
+        let layout = space.layout(&point);
+        let outcomes = evaluate(&workcell, &layout).outcomes;
+        for (k, operation) in cell.operations.iter().enumerate() {
+            let at = layout.placements[operation.equipment].seen_from(&layout.base);
+            let target = Grid::new(operation).target(&at, 0);
+            let field = fields[k].iter().find(|field| field.has_height(target.z)).unwrap();
+            let bound = field.bound(&target);
+            match outcomes[k] {
+                Outcome::Found(spot) => {
+                    assert!(bound <= spot.value, "{}: {bound} > {} at {target}", operation.name, spot.value);
+                    ratios.push(100.0 * bound / spot.value);
+                }
+                Outcome::Unreachable { .. } => {
+                    missed.all += 1;
+                    missed.excluded += usize::from(bound == f64::INFINITY);
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    ratios
+}
+
+/// A field is never above the least value of a node, and close to it.
+#[test]
+fn value_fields_bound_the_values_of_random_nodes() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1_611);
+    let mut missed = Unreachable::default();
+    for (name, least) in CELLS {
+        for variant in 0..6 {
+            let mut cell = shipped(name);
+            if let ErrorSet::Tolerance(_) = cell.robot.errors[cell.errors] {
+                cell.reading = [Reading::Statistical, Reading::WorstCase][variant % 2];
+            }
+            cell.quantity = [Quantity::P95, Quantity::Rms, Quantity::P99][variant % 3];
+            for operation in &mut cell.operations {
+                operation.sense = Sense::plain(["xy", "xyz", "z"][variant / 2]).unwrap();
+                operation.attitude.spin =
+                    if variant == 3 { Spin::Free } else { operation.attitude.spin.clone() };
+            }
+            let mut ratios = ratios(cell, cases(100, 400), &mut rng, &mut missed);
+            ratios.sort_by(f64::total_cmp);
+            let median = ratios[ratios.len() / 2];
+            assert!(ratios.len() > 30 && median >= least, "{name} {variant}: {median} of {}", ratios.len());
+        }
+    }
+    assert!(missed.all > 200 && missed.excluded * 10 > missed.all * 8, "{} {}", missed.excluded, missed.all);
+}
+
+/// Every condition of a field has its own message.
+#[test]
+fn operations_without_a_value_field_state_the_reason() {
+    let reason = |name: &str, change: &dyn Fn(&mut Cell)| {
+        let mut cell = shipped(name);
+        change(&mut cell);
+        why_no_field(&Workcell::new(cell).unwrap(), 0)
+    };
+    assert_eq!(reason("ur_cell.toml", &|_| ()), None);
+    let reasons = [
+        reason("hitachi_cell.toml", &|_| ()),
+        reason("ur_cell.toml", &|cell| cell.operations[0].over = NodeAggregation::Max),
+        reason("ur_cell.toml", &|cell| cell.operations[0].sense = Sense::plain("x").unwrap()),
+        reason("track_cell.toml", &|_| ()),
+        reason("ur_cell.toml", &|cell| cell.registration = Registration::BestFit),
+    ];
+    let direction = Some("its error depends on the direction of a node from the robot base");
+    let expected = [
+        Some("its nodes are ranked in each layout"),
+        Some("it happens at every node"),
+        direction,
+        direction,
+        Some("a registration removes part of its error"),
+    ];
+    assert_eq!(reasons, expected);
+}
