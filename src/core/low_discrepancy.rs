@@ -8,6 +8,11 @@
 //! - Richtmyer: multiples of the square roots of the primes, modulo 1 (R. D. Richtmyer, "The evaluation of
 //!   definite integrals, and a quasi-Monte-Carlo method based on the properties of algebraic numbers", 1951).
 
+/// Fractional part of the golden ratio. The fractional parts of its multiples are spread most evenly.
+pub const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
+/// Golden angle, rad. Successive multiples of this angle are spread most evenly over the circle.
+pub const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
 /// Returns the prime numbers in ascending order.
 pub fn primes() -> impl Iterator<Item = u32> {
     let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));

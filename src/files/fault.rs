@@ -44,6 +44,9 @@ pub struct Fault {
     pub help: String,
     #[serde(skip)]
     pub kind: FaultKind,
+    /// Path of the mesh of a URDF that the fault concerns; None for any other fault.
+    #[serde(skip)]
+    pub mesh: Option<String>,
     /// Line of the file that contains the fault, for display. A long line is cut to the part around the
     /// fault.
     #[serde(skip)]
@@ -59,6 +62,7 @@ impl Fault {
         Self {
             severity: Severity::Error,
             kind: FaultKind::Content,
+            mesh: None,
             file: file.to_string(),
             line: 1,
             column: 1,

@@ -57,7 +57,7 @@ impl MeshFiles {
     pub fn leave_out(&mut self, faults: &[Fault]) -> bool {
         let concerns = |file: &str, fault: &Fault| {
             let path = format!("meshes/{file}");
-            fault.is_error() && (fault.file.ends_with(&path) || fault.message.contains(&path))
+            fault.is_error() && fault.mesh.as_ref().is_some_and(|mesh| mesh.ends_with(&path))
         };
         let bad = self.kept.iter().filter_map(|(name, (file, _))| {
             let fault = faults.iter().find(|fault| concerns(file, fault))?;

@@ -20,6 +20,7 @@ use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
 use crate::certificate::Misplacements;
 use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, PointSpot, Probe, Status};
+use crate::low_discrepancy::GOLDEN_ANGLE;
 use nalgebra::Vector3;
 
 /// Greatest number of nodes from which the searches of one operation start.
@@ -28,8 +29,6 @@ const MAX_STARTS: usize = 4;
 const START_SPACING: usize = 3;
 /// Number of points around the present point that one poll tries, each in another direction.
 const DIRECTIONS: usize = 8;
-/// The golden angle, rad.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Least distance of the points of a poll from the present point, m.
 const LEAST_STEP: f64 = 1e-6;
 /// Least gain that counts, as a share of the value. Smaller gains are rounding errors.

@@ -111,8 +111,11 @@ fn read_mesh(
         lib.error(file.at, "a mesh scaled by 0 is flat".into(), "give it a scale, 0.001 for a mesh in mm");
         return None;
     }
-    mesh::is_mesh(&file.name, file.at, lib).then_some(())?;
-    mesh::load(&path, file.at, scale, *pose, lib)
+    let before = lib.faults.len();
+    let is_mesh = mesh::is_mesh(&file.name, file.at, lib);
+    let shape = if is_mesh { mesh::load(&path, file.at, scale, *pose, lib) } else { None };
+    lib.faults[before..].iter_mut().for_each(|fault| fault.mesh = Some(path.clone()));
+    shape
 }
 
 /// Counts the elements that are not used, including links and joints outside the chain.

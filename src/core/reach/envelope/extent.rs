@@ -9,6 +9,7 @@
 //! this angle in azimuth. The directions never repeat, so some of them point even into a sharp tip of the
 //! envelope. A gain is a poll that finds a better point. The polling distance doubles after a gain.
 
+use crate::low_discrepancy::GOLDEN_ANGLE;
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;
 
@@ -20,9 +21,6 @@ const LEAST_STEP: f64 = ACCURACY / 10.0;
 const DIRECTIONS: usize = 8;
 /// Greatest number of polls of one search; about a hundred are usual.
 const MAX_POLLS: usize = 1000;
-/// The golden angle, rad.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-
 /// Extent of an envelope about the base axis, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvelopeExtent {

@@ -51,6 +51,7 @@ mod pose_problem;
 mod scaled_arm;
 
 use crate::cell::JointKind;
+use crate::low_discrepancy::GOLDEN_STEP;
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 pub(super) use elimination::solve_six;
@@ -217,7 +218,7 @@ fn trial_postures() -> impl Iterator<Item = [f64; 6]> {
     // Steps of the golden section, perturbed so that they do not repeat.
     let mut share = 0.37;
     let mut next = move || {
-        share = (share + 0.618_033_988_749_894_8 + 0.1 * share * share) % 1.0;
+        share = (share + GOLDEN_STEP + 0.1 * share * share) % 1.0;
         TAU * share - PI
     };
     (0..TRIALS).map(move |_| std::array::from_fn(|_| next()))
