@@ -10,10 +10,12 @@
 
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use sweetspot::cell::Layout;
 use sweetspot::files;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
+use sweetspot::proof::rank_nodes;
 use sweetspot::record::nine_digits;
 use sweetspot::search::SearchSpace;
 
@@ -49,6 +51,7 @@ fn main() {
     };
     let layouts: Vec<Layout> = (0..LAYOUTS).map(|k| space.layout(&point(k))).collect();
     let unit = workcell.cell.unit();
+    rank_nodes(&workcell, &AtomicBool::new(false));
     let mut best = f64::INFINITY;
     let mut costs = Vec::new();
     for _ in 0..ROUNDS {

@@ -10,11 +10,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use sweetspot::assess::Feasibility;
 use sweetspot::cell::{Coordinate, Layout, Slot};
 use sweetspot::files::toml_string;
 use sweetspot::layout::{Workcell, evaluate_in};
+use sweetspot::proof::{LAYOUTS_WORTH_A_FIELD, rank_nodes};
 use sweetspot::record::nine_digits;
 use sweetspot::search::SearchSpace;
 use sweetspot::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
@@ -37,6 +38,8 @@ pub struct Evaluator {
     cell: Cell,
     workcell: Arc<Workcell>,
     workspaces: Workspaces,
+    /// Number of layouts that were evaluated so far.
+    count: AtomicU64,
 }
 
 /// Layouts as rows of numbers.
@@ -55,7 +58,7 @@ pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
 impl Evaluator {
     pub fn new(py: Python<'_>, cell: Cell) -> PyResult<Self> {
         let workcell = cell.prepared(py)?;
-        Ok(Self { cell, workcell, workspaces: Workspaces::default() })
+        Ok(Self { cell, workcell, workspaces: Workspaces::default(), count: AtomicU64::new(0) })
     }
 
     fn free(&self) -> Vec<(Slot, &Coordinate)> {
@@ -109,6 +112,11 @@ impl Evaluator {
         };
         let borrow = || Borrowed::new(&self.workspaces);
         let dim = self.dim();
+        let more = (rows.len() / dim) as u64;
+        // The costs are the same with and without value fields, bit for bit.
+        if self.count.fetch_add(more, Ordering::Relaxed) + more >= LAYOUTS_WORTH_A_FIELD {
+            rank_nodes(&self.workcell, stop);
+        }
         if rows.len() <= dim * FEW_LAYOUTS {
             return rows.chunks(dim).map(|row| one(&mut borrow(), row)).collect();
         }

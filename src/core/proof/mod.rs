@@ -55,7 +55,7 @@ mod witness;
 
 pub use region::OperationRegion;
 pub use value_bound::tangent;
-pub use value_field::{rank_nodes, value_fields, why_no_field};
+pub use value_field::{LAYOUTS_WORTH_A_FIELD, rank_nodes, value_fields, why_no_field};
 
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::layout::{Workcell, combined};

@@ -46,6 +46,9 @@ use crate::layout::Workcell;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Number of layouts from which the computation of value fields saves time. The fields of a cell take as long
+/// as up to two thousand evaluations.
+pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;
 /// Longest range of height or radius of a box that is not bisected, as a share of the reach of the arm.

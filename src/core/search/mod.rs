@@ -50,10 +50,6 @@ use journal::SearchJournal;
 use problem::Problem;
 use record::Record;
 
-/// Least number of evaluations of a search that computes value fields ([`proof::rank_nodes`]) first. The
-/// fields of a cell take as long as about a thousand evaluations.
-const LEAST_FIELD_BUDGET: u64 = 4_000;
-
 /// Layout with its evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedLayout {
@@ -160,7 +156,7 @@ pub fn search_job(
         None => SearchJournal::new(space.start(), stopping),
     };
     (job.keep)(journal.checkpoint(), Moment::Begun);
-    if settings.budget >= LEAST_FIELD_BUDGET {
+    if settings.budget >= proof::LAYOUTS_WORTH_A_FIELD {
         proof::rank_nodes(workcell, watch.stop);
     }
     let problem = Problem::new(workcell, &space, journal, watch, job.keep);
