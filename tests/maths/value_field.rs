@@ -72,24 +72,24 @@ fn value_fields_bound_the_values_of_random_nodes() {
     let mut rng = ChaCha8Rng::seed_from_u64(1_611);
     let mut missed = Unreachable::default();
     for (name, least) in CELLS {
-        for variant in 0..6 {
+        for variant in (0..6).step_by(cases(2, 1)) {
             let mut cell = shipped(name);
             if let ErrorSet::Tolerance(_) = cell.robot.errors[cell.errors] {
-                cell.reading = [Reading::Statistical, Reading::WorstCase][variant % 2];
+                cell.reading = [Reading::Statistical, Reading::WorstCase][variant / 3];
             }
             cell.quantity = [Quantity::P95, Quantity::Rms, Quantity::P99][variant % 3];
             for operation in &mut cell.operations {
                 operation.sense = Sense::plain(["xy", "xyz", "z"][variant / 2]).unwrap();
                 operation.attitude.spin =
-                    if variant == 3 { Spin::Free } else { operation.attitude.spin.clone() };
+                    if variant == 2 { Spin::Free } else { operation.attitude.spin.clone() };
             }
-            let mut ratios = ratios(cell, cases(100, 400), &mut rng, &mut missed);
+            let mut ratios = ratios(cell, cases(80, 400), &mut rng, &mut missed);
             ratios.sort_by(f64::total_cmp);
             let median = ratios[ratios.len() / 2];
             assert!(ratios.len() > 30 && median >= least, "{name} {variant}: {median} of {}", ratios.len());
         }
     }
-    assert!(missed.all > 200 && missed.excluded * 10 > missed.all * 8, "{} {}", missed.excluded, missed.all);
+    assert!(missed.all > 100 && missed.excluded * 10 > missed.all * 8, "{} {}", missed.excluded, missed.all);
 }
 
 /// Every condition of a field has its own message.
