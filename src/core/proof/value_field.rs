@@ -134,12 +134,9 @@ enum Examined {
     /// No posture in the box satisfies the constraints.
     Empty,
     /// Ranges of height and radius (m), and lower bound of the value.
-    Bounded {
-        height: (f64, f64),
-        radius: (f64, f64),
-        bound: f64,
-    },
-    Bisected([JointBox; 2]),
+    Bounded { height: (f64, f64), radius: (f64, f64), bound: f64 },
+    /// Box that must be bisected, and the coordinate in which it is bisected.
+    Bisected(JointBox, usize),
 }
 
 impl FieldSearch<'_> {
@@ -157,7 +154,7 @@ impl FieldSearch<'_> {
                 match one {
                     Examined::Empty => {}
                     Examined::Bounded { height, radius, bound } => field.note(height, radius, bound),
-                    Examined::Bisected(halves) => round.extend(halves),
+                    Examined::Bisected(part, cut) => round.extend(part.halves(cut)),
                 }
             }
         }
@@ -182,11 +179,13 @@ impl FieldSearch<'_> {
         if bisects && lengths[0].max(lengths[1]) > self.longest {
             let model = if lengths[0] > lengths[1] { height } else { squared };
             let ContractedBox { part, radii, .. } = contracted;
-            return Examined::Bisected(part.halves(widest(Some(&model), &radii, task.coordinates.count)));
+            let cut = widest(Some(&model), &radii, task.coordinates.count);
+            return Examined::Bisected(part, cut);
         }
         let (part, value) = contracted.bounded(task);
         if bisects && value - part.bound > LOOSENESS * value {
-            return Examined::Bisected(part.halves(part.cut));
+            let cut = part.cut;
+            return Examined::Bisected(part, cut);
         }
         Examined::Bounded { height: tall, radius: wide, bound: self.kept * lowered(part.bound) }
     }
