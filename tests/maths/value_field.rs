@@ -4,10 +4,12 @@ use crate::common::{cases, shipped};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::atomic::AtomicBool;
-use sweetspot::cell::{Cell, ErrorSet, NodeAggregation, Place, Quantity, Reading, Registration, Sense, Spin};
+use sweetspot::cell::{
+    Cell, Coordinate, ErrorSet, NodeAggregation, Place, Quantity, Reading, Registration, Sense, Spin,
+};
 use sweetspot::error_map::{Grid, Outcome};
 use sweetspot::layout::{Workcell, evaluate};
-use sweetspot::proof::{value_fields, why_no_field};
+use sweetspot::proof::{rank_nodes, value_fields, why_no_field};
 use sweetspot::search::SearchSpace;
 
 /// Cells with value fields, and the least median ratio of the bound to the value of a node, in percent. The
@@ -48,7 +50,8 @@ fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unr
         for (k, operation) in cell.operations.iter().enumerate() {
             let at = layout.placements[operation.equipment].seen_from(&layout.base);
             let target = Grid::new(operation).target(&at, 0);
-            let field = fields[k].iter().find(|field| field.has_height(target.z)).unwrap();
+            let field =
+                fields[k].iter().find(|field| field.covers(target.z, layout.attitudes[k].elevation)).unwrap();
             let bound = field.bound(&target);
             match outcomes[k] {
                 Outcome::Found(spot) => {
@@ -90,6 +93,30 @@ fn value_fields_bound_the_values_of_random_nodes() {
         }
     }
     assert!(missed.all > 100 && missed.excluded * 10 > missed.all * 8, "{} {}", missed.excluded, missed.all);
+}
+
+/// A field does not apply to a layout whose tool elevation lies outside the range of the search.
+#[test]
+fn value_fields_do_not_apply_to_other_elevations() {
+    let mut cell = shipped("ur_cell.toml");
+    cell.collision = false;
+    for operation in &mut cell.operations {
+        let (min, max) = (-1.6, -1.5);
+        operation.angles[0] = Some(Coordinate::Range { min, max, start: -1.55 });
+    }
+    let [with_fields, judged] = [0, 1].map(|_| Workcell::new(cell.clone()).unwrap());
+    let judged = judged.unranked();
+    rank_nodes(&with_fields, &AtomicBool::new(false));
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    for elevation in [-1.58, -1.55, -1.1, -0.3] {
+        for _ in 0..5 {
+            let mut layout = cell.start();
+            layout.placements.iter_mut().for_each(|at| at.x += rng.random_range(-0.3..0.3));
+            layout.attitudes.iter_mut().for_each(|attitude| attitude.elevation = elevation);
+            let [got, want] = [&with_fields, &judged].map(|workcell| evaluate(workcell, &layout));
+            assert_eq!((&got, got.cost.to_bits()), (&want, want.cost.to_bits()), "{elevation}");
+        }
+    }
 }
 
 /// Every condition of a field has its own message.

@@ -130,12 +130,13 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes, the
-    /// function removes all nodes from `ranking` and returns false.
+    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes and the
+    /// elevation of the tool, the function removes all nodes from `ranking` and returns false.
     pub(super) fn rank_by_field(&self, ranking: &mut NodeRanking) -> bool {
         let (grid, mapper) = (&self.setup.grid, self.placed.mapper);
         ranking.clear();
-        let field = mapper.value_field(self.operation, self.at.z + grid.standoff());
+        let elevation = self.placed.layout.attitudes[self.operation].elevation;
+        let field = mapper.value_field(self.operation, self.at.z + grid.standoff(), elevation);
         let Some(field) = field else { return false };
         ranking.set(grid.count(), |bounds| {
             grid.targets(&self.at, |node, target| bounds[node] = field.bound(&target));

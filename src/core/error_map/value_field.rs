@@ -12,9 +12,12 @@ const SLACK: f64 = 1e-6;
 /// Table of lower bounds of the value at a node, over the height of the node and its distance from the base
 /// axis (radius).
 ///
-/// The table holds for every layout in which the height of the operation lies in its range of heights.
+/// The table holds for every layout in which the height of the operation lies in its range of heights, and the
+/// elevation of the tool axis in its range of elevations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueField {
+    /// Range of the elevation that the operation asks of the tool axis, rad.
+    elevation: (f64, f64),
     height: Ticks,
     radius: Ticks,
     /// One bound per table cell, m or rad, radius by radius within each height; infinite if no posture
@@ -50,11 +53,12 @@ impl Ticks {
 }
 
 impl ValueField {
-    /// Creates a table without postures for ranges of height and radius, m. `step` is the largest length of
-    /// a table cell, m.
-    pub fn new(height: (f64, f64), radius: (f64, f64), step: f64) -> Self {
+    /// Creates a table without postures for a range of elevations (rad) and for ranges of height and radius,
+    /// m. `step` is the largest length of a table cell, m.
+    pub fn new(elevation: (f64, f64), height: (f64, f64), radius: (f64, f64), step: f64) -> Self {
         let (height, radius) = (Ticks::new(height, step), Ticks::new(radius, step));
-        Self { bounds: vec![f64::INFINITY; height.count * radius.count], height, radius }
+        let bounds = vec![f64::INFINITY; height.count * radius.count];
+        Self { elevation, height, radius, bounds }
     }
 
     /// Notes that postures with heights and radii in these ranges have values of at least `bound`.
@@ -72,9 +76,10 @@ impl ValueField {
         }
     }
 
-    /// Returns whether the table covers a height of a target in the base frame, m.
-    pub fn has_height(&self, z: f64) -> bool {
-        self.height.cell(z).is_some()
+    /// Returns whether the table covers a height of a target in the base frame (m), and an elevation of the
+    /// tool axis (rad).
+    pub fn covers(&self, z: f64, elevation: f64) -> bool {
+        self.height.cell(z).is_some() && self.elevation.0 <= elevation && elevation <= self.elevation.1
     }
 
     /// Returns a lower bound of the value at a target in the base frame, m. The bound is 0 outside the table,

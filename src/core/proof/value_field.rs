@@ -40,7 +40,7 @@ use super::joint_box::{ContractedBox, JointBox, widest};
 use super::region::{ConstrainedQuantity, OperationRegion};
 use super::task::Task;
 use super::taylor_model::Taylor;
-use crate::cell::{Quantity, Reading};
+use crate::cell::{Coordinate, Quantity, Reading};
 use crate::error_map::{PostureOrder, ValueField};
 use crate::layout::Workcell;
 use rayon::prelude::*;
@@ -113,12 +113,23 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let is_percentile = evaluator.reading == Reading::Statistical
         && matches!(evaluator.quantity, Quantity::P95 | Quantity::P99);
     let kept = if is_percentile { 1.0 - PERCENTILE_MARGIN } else { 1.0 };
-    Ok(FieldSearch { longest: LONGEST_RANGE * task.reach(), height: region.height, radius, kept, task })
+    let fixed = operation.attitude.elevation;
+    let elevation = operation.angles[0].as_ref().map_or((fixed, fixed), Coordinate::range);
+    Ok(FieldSearch {
+        elevation,
+        longest: LONGEST_RANGE * task.reach(),
+        height: region.height,
+        radius,
+        kept,
+        task,
+    })
 }
 
 /// Search over boxes of joint coordinates for the value field of one region.
 struct FieldSearch<'a> {
     task: Task<'a>,
+    /// Range of the elevation that the operation asks of the tool axis, rad.
+    elevation: (f64, f64),
     /// Range of the height of a node, m.
     height: (f64, f64),
     /// Range of the radius of a node, m.
@@ -142,7 +153,7 @@ enum Examined {
 impl FieldSearch<'_> {
     /// Computes the field. Once `stop` is set, the function ends early, and the field must not be used.
     fn field(&self, stop: &AtomicBool) -> ValueField {
-        let mut field = ValueField::new(self.height, self.radius, CELL_SHARE * self.longest);
+        let mut field = ValueField::new(self.elevation, self.height, self.radius, CELL_SHARE * self.longest);
         let (mut round, mut count) = (vec![JointBox::whole(&self.task)], 0);
         while !round.is_empty() && !stop.load(Ordering::Relaxed) {
             count += round.len();
