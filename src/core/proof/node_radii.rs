@@ -106,7 +106,7 @@ pub(super) fn least_of_all_nodes(
         (x.hypot(y), y.atan2(x))
     };
     let nodes: Vec<(f64, f64)> = (0..grid.count()).map(polar).collect();
-    if nodes.len() < 2 || !Task::new(workcell, region).ok()?.limits_radius() {
+    if nodes.len() < 2 || !Task::new(workcell, region).ok()?.limits_radius {
         return None;
     }
     let (region, known_bounds) = (*region, HashMap::new());

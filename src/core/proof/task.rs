@@ -50,10 +50,10 @@ pub(super) struct Task<'a> {
     /// Whether the value depends on the angle of the first joint, although this joint needs no coordinate.
     turned_first: bool,
     /// Whether a constraint can limit the distance of the TCP from the z axis of the base.
-    limits_radius: bool,
+    pub limits_radius: bool,
     /// Whether the first axis is the z axis of the base, and the bound of the value does not depend on the
     /// angle of the first joint.
-    turns_about_base_axis: bool,
+    pub turns_about_base_axis: bool,
     /// Directions of the tool axis in all postures that satisfy the constraints.
     tool_axis: ToolAxisRange,
 }
@@ -134,7 +134,6 @@ impl<'a> Task<'a> {
         let last = LastJoint::new(chain, &screws, evaluator, &motions, &rows);
         held[chain.axes() - 1] |= last.is_some();
         let coordinates = Coordinates::new(chain, &screws, &held);
-        let mut constraints = region.constraints();
         let centred =
             screws.kinds[0] == JointKind::Revolute && screws.points[0].xy().norm() < DIRECTION_ROUNDING;
         let site = WorkFrame {
@@ -144,10 +143,7 @@ impl<'a> Task<'a> {
             taught: None,
         };
         let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
-        let reach = reach(&screws, &to_tip);
         let limits_radius = centred || !held[0];
-        let limits = |c: &Constraint| limits_radius && (c.low > 0.0 || c.high < reach * reach);
-        constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
         let mut task = Self {
             evaluator,
             workcell,
@@ -160,13 +156,16 @@ impl<'a> Task<'a> {
             error: BoundedError::Columns(motions, sum),
             lost: 0.0,
             deflections,
-            constraints,
+            constraints: region.constraints(),
             last,
             turned_first,
             limits_radius,
             turns_about_base_axis: centred && held[0],
             tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
+        let reach = task.reach();
+        let limits = |c: &Constraint| limits_radius && (c.low > 0.0 || c.high < reach * reach);
+        task.constraints.retain(|c| c.of != ConstrainedQuantity::RadiusSquared || limits(c));
         task.lost = task.lost() + task.elastic_part();
         if let (BoundedError::Columns(motions, _), Some(_)) = (&mut task.error, &task.last) {
             motions.retain(|motion| motion.link < chain.axes());
@@ -329,20 +328,9 @@ impl<'a> Task<'a> {
         q
     }
 
-    /// Returns whether a constraint can limit the distance of the TCP from the z axis of the base.
-    pub fn limits_radius(&self) -> bool {
-        self.limits_radius
-    }
-
-    /// Returns whether the first axis is the z axis of the base, and the bound of the value does not depend on
-    /// the angle of the first joint.
-    pub fn turns_about_base_axis(&self) -> bool {
-        self.turns_about_base_axis
-    }
-
     /// Returns an upper bound of the distance of the TCP from the origin of the base frame, m.
     pub fn reach(&self) -> f64 {
-        reach(&self.screws, &self.to_tip)
+        self.screws.points[0].norm() + self.to_tip.from(0)
     }
 
     /// Returns working memory for [`Self::value`].
@@ -384,12 +372,6 @@ impl<'a> Task<'a> {
         }
         best
     }
-}
-
-/// Returns an upper bound of the distance of the TCP from the origin of the base frame, m. `to_tip` are the
-/// segments of the chain up to the TCP.
-fn reach(screws: &Screws, to_tip: &RigidPieces) -> f64 {
-    screws.points[0].norm() + to_tip.from(0)
 }
 
 /// Checks that neither the registration nor the pick nor the equipment errors of an operation prevent a

@@ -107,7 +107,7 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
         _ => {}
     }
     let task = Task::new(workcell, region).map_err(WhyNot::in_words)?;
-    let radius = region.radius.filter(|_| task.turns_about_base_axis());
+    let radius = region.radius.filter(|_| task.turns_about_base_axis);
     let radius = radius.ok_or("its error depends on the direction of a node from the robot base")?;
     let evaluator = workcell.evaluator(region.operation);
     let is_percentile = evaluator.reading == Reading::Statistical
