@@ -140,7 +140,7 @@ fn operations_without_a_value_field_state_the_reason() {
         Some("its nodes are ranked in each layout"),
         Some("it happens at every node"),
         direction,
-        direction,
+        Some("the first joint does not rotate the arm about the z axis of the robot base"),
         Some("a registration removes part of its error"),
     ];
     assert_eq!(reasons, expected);

@@ -51,9 +51,10 @@ pub(super) struct Task<'a> {
     turned_first: bool,
     /// Whether a constraint can limit the distance of the TCP from the z axis of the base.
     pub limits_radius: bool,
-    /// Whether the first axis is the z axis of the base, and the bound of the value does not depend on the
-    /// angle of the first joint.
-    pub turns_about_base_axis: bool,
+    /// Whether the first joint rotates the arm about the z axis of the base.
+    pub starts_at_base_axis: bool,
+    /// Whether the bound of the value depends on the coordinate of the first joint.
+    pub needs_first_joint: bool,
     /// Directions of the tool axis in all postures that satisfy the constraints.
     tool_axis: ToolAxisRange,
 }
@@ -144,6 +145,7 @@ impl<'a> Task<'a> {
         };
         let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
         let limits_radius = centred || !held[0];
+        let starts_at_base_axis = centred && screws.axes[0].xy().norm() < DIRECTION_ROUNDING;
         let mut task = Self {
             evaluator,
             workcell,
@@ -160,7 +162,8 @@ impl<'a> Task<'a> {
             last,
             turned_first,
             limits_radius,
-            turns_about_base_axis: centred && held[0],
+            starts_at_base_axis,
+            needs_first_joint: !held[0],
             tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
         let reach = task.reach();

@@ -107,7 +107,10 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
         _ => {}
     }
     let task = Task::new(workcell, region).map_err(WhyNot::in_words)?;
-    let radius = region.radius.filter(|_| task.turns_about_base_axis);
+    if !task.starts_at_base_axis {
+        return Err("the first joint does not rotate the arm about the z axis of the robot base");
+    }
+    let radius = region.radius.filter(|_| !task.needs_first_joint);
     let radius = radius.ok_or("its error depends on the direction of a node from the robot base")?;
     let evaluator = workcell.evaluator(region.operation);
     let is_percentile = evaluator.reading == Reading::Statistical

@@ -263,7 +263,7 @@ fn check_states_which_postures_a_search_judges() {
     );
     assert_eq!((&order["judges"], &order["why_no_field"]), (&"spin-families".into(), &Value::Null));
     let (text, order) = judged("cells/track_cell.toml");
-    let why = "its error depends on the direction of a node from the robot base";
+    let why = "the first joint does not rotate the arm about the z axis of the robot base";
     assert!(text.contains(&format!("; no value field: {why}")), "{text}");
     assert_eq!(order["why_no_field"], why);
     let (_, order) = judged("cells/offset_wrist_cell.toml");
