@@ -6,6 +6,7 @@ mod common;
 
 use allocation_counter::measure;
 use common::shipped;
+use sweetspot::assess::Feasibility;
 use sweetspot::cell::*;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
@@ -124,6 +125,29 @@ fn an_evaluation_does_not_allocate_per_node() {
             measure(|| drop(evaluate_in(&workcell, &layout, &mut memory))).count_total
         });
         assert_eq!(counts[0], counts[1], "ranked: {ranked}");
+    }
+}
+
+/// A map keeps a record of every node. A judgement keeps records only of operations without a spot.
+#[test]
+fn a_judgement_of_a_layout_maps_no_operation_with_a_spot() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for change in ["", "[equipment.worktable.placement]\nx_mm = 100\ny_mm = 500\n"] {
+        let text = format!("from = \"hitachi_cell.toml\"\n{change}");
+        let mut cell = common::from_text(&text).unwrap_or_else(|faults| panic!("{faults:#?}")).cell;
+        for operation in &mut cell.operations {
+            if let sweetspot::cell::Place::Grid { divisions, .. } = &mut operation.place {
+                *divisions = (50, 40);
+            }
+        }
+        let workcell = Workcell::new(cell).unwrap();
+        let layout = workcell.cell.start();
+        // The counter sees only the thread that measures.
+        let (judged, mapped) = pool.install(|| {
+            let judged = measure(|| drop(Feasibility::new(&workcell, &layout))).bytes_total;
+            (judged, measure(|| drop(workcell.maps(&layout))).bytes_total)
+        });
+        assert!(judged * 2 < mapped, "{change}: {judged} and {mapped} bytes");
     }
 }
 

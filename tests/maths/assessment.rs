@@ -1,9 +1,8 @@
 //! Tests the judgement of a layout without its maps against the full assessment.
 
 use crate::common::{from_text, shipped};
-use std::time::{Duration, Instant};
 use sweetspot::assess::{Assessment, Feasibility};
-use sweetspot::cell::{Cell, Place};
+use sweetspot::cell::Cell;
 use sweetspot::layout::Workcell;
 
 /// Changes of the shipped cell, and whether the start layout stays feasible.
@@ -54,29 +53,5 @@ fn the_changes_are_feasible_as_stated() {
         let workcell = Workcell::new(changed(change)).unwrap();
         let judged = Feasibility::new(&workcell, &workcell.cell.start());
         assert_eq!(judged.evaluation.objective.is_some(), expected, "{change}: {:?}", judged.reasons);
-    }
-}
-
-/// A map computes the errors of every node in every sense and by every model. A judgement needs only the
-/// spots.
-#[test]
-fn a_judgement_of_many_nodes_is_much_faster_than_a_map() {
-    for change in ["", "[equipment.worktable.placement]\nx_mm = 100\ny_mm = 500\n"] {
-        let mut cell = changed(change);
-        for operation in &mut cell.operations {
-            if let Place::Grid { divisions, .. } = &mut operation.place {
-                *divisions = (50, 40);
-            }
-        }
-        let workcell = Workcell::new(cell).unwrap();
-        let start = workcell.cell.start();
-        let time = |run: &dyn Fn()| {
-            let clock = Instant::now();
-            run();
-            clock.elapsed()
-        };
-        let judged = (0..3).map(|_| time(&|| drop(Feasibility::new(&workcell, &start)))).min();
-        let mapped = time(&|| drop(workcell.maps(&start)));
-        assert!(judged.unwrap_or(Duration::MAX) * 4 < mapped, "{change}: {judged:?} and {mapped:?}");
     }
 }
