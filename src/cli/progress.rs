@@ -4,9 +4,9 @@ use super::output;
 use crate::cell::Unit;
 use crate::cli::mutex::locked;
 use crate::layout::Workcell;
+use crate::record::{PROGRESS_SCHEMA, ProgressLine};
 use crate::search::Progress;
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -62,7 +62,7 @@ impl Reporter {
                 last.1 = Some(progress);
                 if last.0.elapsed() >= PERIOD {
                     *last = (Instant::now(), None);
-                    output::talk(&self.line(progress).to_string());
+                    output::talk(&self.line(progress));
                 }
             }
             ProgressForm::Silent => {}
@@ -76,7 +76,7 @@ impl Reporter {
             bar.finish_and_clear();
         }
         if let Some(progress) = last {
-            output::talk(&self.line(progress).to_string());
+            output::talk(&self.line(progress));
         }
     }
 
@@ -102,21 +102,23 @@ impl Reporter {
         format!("{best}{gap}, {share:.0} % feasible, {:.0}/s", self.rate(p))
     }
 
-    fn line(&self, p: Progress) -> Value {
+    fn line(&self, p: Progress) -> String {
         let (rate, value) = (self.rate(p), |v: f64| self.unit.from_si(v));
         let left = p.budget.saturating_sub(p.evaluations) as f64 / rate;
-        json!({
-            "schema": "sweetspot/progress/1",
-            "evaluations": p.evaluations,
-            "budget": p.budget,
-            "best": p.best.map(value),
-            "bound": self.bound.map(value),
-            "unit": self.unit.word(),
-            "gap": self.gap(p),
-            "feasible_share": p.feasible as f64 / p.evaluations.max(1) as f64,
-            "evaluations_per_second": rate.round(),
-            "seconds": self.clock.elapsed().as_secs_f64(),
-            "seconds_left": if rate > 0.0 { Some(left.round()) } else { None },
-        })
+        let line = ProgressLine {
+            schema: PROGRESS_SCHEMA.into(),
+            evaluations: p.evaluations,
+            budget: p.budget,
+            best: p.best.map(value),
+            bound: self.bound.map(value),
+            unit: self.unit,
+            gap: self.gap(p),
+            feasible_share: p.feasible as f64 / p.evaluations.max(1) as f64,
+            evaluations_per_second: rate.round(),
+            seconds: self.clock.elapsed().as_secs_f64(),
+            seconds_left: (rate > 0.0).then(|| left.round()),
+        };
+        // The record holds only numbers and short texts, so the conversion cannot fail.
+        serde_json::to_string(&line).unwrap_or_default()
     }
 }

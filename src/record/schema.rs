@@ -3,8 +3,9 @@
 use super::{
     AllocationDocument, BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument,
     CorrectionDocument, EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
-    MeasuringPlanDocument, ReadingsDocument, RemediesDocument, RobotSheetDocument, RobotsDocument,
-    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepStatus, SweepTable, VerdictDocument,
+    MeasuringPlanDocument, ProgressLine, ReadingsDocument, RemediesDocument, RobotSheetDocument,
+    RobotsDocument, RobustDocument, SearchResult, SweepPlan, SweepRow, SweepStatus, SweepTable,
+    VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -36,10 +37,11 @@ pub enum DocumentKind {
     MeasuringPlan,
     Remedies,
     Allocation,
+    Progress,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -63,6 +65,7 @@ impl DocumentKind {
         Self::MeasuringPlan,
         Self::Remedies,
         Self::Allocation,
+        Self::Progress,
     ];
 
     /// Returns the name of the schema.
@@ -91,6 +94,7 @@ impl DocumentKind {
             Self::MeasuringPlan => "measuring-plan",
             Self::Remedies => "remedies",
             Self::Allocation => "allocation",
+            Self::Progress => "progress",
         }
     }
 
@@ -120,6 +124,7 @@ impl DocumentKind {
             Self::MeasuringPlan => of::<MeasuringPlanDocument>(),
             Self::Remedies => of::<RemediesDocument>(),
             Self::Allocation => of::<AllocationDocument>(),
+            Self::Progress => of::<ProgressLine>(),
         }
     }
 }

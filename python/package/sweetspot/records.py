@@ -1619,6 +1619,32 @@ class PostureGuardEntry(Record):
     trusted: bool
 
 
+class ProgressLine(Record):
+    """Line of progress, which `search --progress json` prints on stderr once per second."""
+
+    schema: Literal['sweetspot/progress/1']
+    evaluations: int
+    """Number of layouts evaluated so far."""
+    budget: int
+    best: Optional[float]
+    """Objective of the best feasible layout so far, in `unit`; null if no layout is feasible yet."""
+    bound: Optional[float]
+    """Proven lower bound of the objective, in `unit`; null if no bound is known."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    gap: Optional[float]
+    """Relative difference between `best` and `bound`: `best / bound - 1`. Null unless both are known and the
+    bound is positive.
+    """
+    feasible_share: float
+    """Share of the evaluated layouts that are feasible and within every limit."""
+    evaluations_per_second: float
+    """Evaluation rate of this process."""
+    seconds: float
+    """Time since the start of this process."""
+    seconds_left: Optional[float]
+    """Estimated time until the budget is used up; null if the rate is not known yet."""
+
+
 class ProofEntry(Record):
     """Lower bounds that hold for every layout of a cell."""
 

@@ -1,10 +1,12 @@
 //! Responses of the local server. A content security policy keeps the page from loading anything from other
 //! sites.
 
+use crate::report::json::{LiveRefusal, value};
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::header::{HeaderName, HeaderValue};
 use hyper::{Response, StatusCode, header};
+use serde::Serialize;
 
 /// Response to a request.
 pub struct HttpResponse {
@@ -19,13 +21,14 @@ pub struct HttpResponse {
 impl HttpResponse {
     /// Returns a response that refuses a request and says why.
     pub fn refused(status: StatusCode, why: &str) -> Self {
-        Self::json(status, &serde_json::json!({ "error": why }))
+        Self::json(status, &LiveRefusal { error: why, taken: false })
     }
 
     /// Returns a response with a JSON document.
-    pub fn json(status: StatusCode, value: &serde_json::Value) -> Self {
+    pub fn json(status: StatusCode, record: &impl Serialize) -> Self {
         let policy = HeaderValue::from_static("default-src 'none'; frame-ancestors 'none'");
-        Self { status, kind: "application/json; charset=utf-8", policy, body: value.to_string().into_bytes() }
+        let body = value(record).to_string().into_bytes();
+        Self { status, kind: "application/json; charset=utf-8", policy, body }
     }
 
     /// Returns a response with the page `html`. The content security policy admits only scripts and styles

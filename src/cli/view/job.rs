@@ -4,10 +4,10 @@ use crate::cell::{Cell, Layout};
 use crate::cli::cache;
 use crate::cli::mutex::locked;
 use crate::layout::{Workcell, evaluate};
+use crate::report::json::LiveSearch;
 use crate::search;
 use crate::search::{Progress, SearchEnd, Watch};
 use crate::units::percent_from_share;
-use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -77,7 +77,7 @@ impl SearchThread {
     }
 
     /// Returns progress and result for the page, lengths in mm and angles in degrees.
-    pub fn document(&self) -> Value {
+    pub fn record(&self) -> LiveSearch {
         let running = self.is_running();
         let SearchState { progress, start, found, seconds } = &*locked(&self.board);
         let unit = self.cell.unit();
@@ -88,25 +88,25 @@ impl SearchThread {
         let gain = start.zip(best).filter(|(s, _)| *s > 0.0).map(|(s, b)| percent_from_share((s - b) / s));
         let (ended, fault) = match found {
             Some(Ok(found)) => (Some(found.ended.in_words()), None),
-            Some(Err(why)) => (None, Some(why.as_str())),
+            Some(Err(why)) => (None, Some(why.clone())),
             None if running => (None, None),
-            None => (None, Some("the search failed")),
+            None => (None, Some("the search failed".into())),
         };
-        json!({
-            "running": running,
-            "evaluations": progress.evaluations,
-            "budget": progress.budget,
-            "feasible": progress.feasible,
-            "seed": self.cell.search.seed,
-            "start": start,
-            "best": best,
-            "gain_percent": gain,
-            "unit": unit.word(),
-            "seconds": if running { self.clock.elapsed().as_secs_f64() } else { *seconds },
-            "ended": ended,
-            "fault": fault,
-            "acceptable": matches!(found, Some(Ok(LiveResult { layout: Some(_), .. }))),
-        })
+        LiveSearch {
+            running,
+            evaluations: progress.evaluations,
+            budget: progress.budget,
+            feasible: progress.feasible,
+            seed: self.cell.search.seed,
+            start: *start,
+            best,
+            gain_percent: gain,
+            unit,
+            seconds: if running { self.clock.elapsed().as_secs_f64() } else { *seconds },
+            ended,
+            fault,
+            acceptable: matches!(found, Some(Ok(LiveResult { layout: Some(_), .. }))),
+        }
     }
 }
 

@@ -31,12 +31,14 @@ use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
 use crate::record::{RegionEntry, TurnEntry};
 use crate::region::standing;
-use crate::report::json;
+use crate::report::json::{
+    self, LiveLayoutTrial, LivePulse, LiveQuestion, LiveReach, LiveRegions, LiveStanding, LiveState, LiveStep,
+};
 use crate::units::{mm_from_m, rounded};
 use job::SearchThread;
 use question::{EvaluationSettings, Workcells};
 use requests::{QuestionBody, SearchBody, StandingBody};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use session::Session;
 use std::sync::{Arc, Mutex};
 use values::LayoutValues;
@@ -77,38 +79,34 @@ impl LiveView {
 
     /// Returns the document that a page loads first.
     fn state(&self) -> Result<Value, String> {
-        let mut state = json::form(&self.cell);
-        state["file"] = json!(crate::files::shown(&self.origin.file.to_string_lossy()));
-        state["now"] = self.now()?;
-        Ok(state)
+        let file = crate::files::shown(&self.origin.file.to_string_lossy());
+        Ok(json::value(&LiveState { form: json::form(&self.cell), file, now: self.now()? }))
     }
 
     /// Returns the current step with its assessment, and the objective of the previous step.
     fn now(&self) -> Result<Value, String> {
-        let (question, values, before, mut document) = {
+        let (revision, (undo, redo), question, now, before) = {
             let session = locked(&self.session);
-            let (undo, redo) = session.depth();
-            let EvaluationSettings { sense, model, reading } = &session.question;
-            let document = json!({
-                "revision": session.revision,
-                "undo": undo,
-                "redo": redo,
-                "what": session.now().what,
-                "question": { "sense": sense, "model": model.name(), "reading": reading.name() },
-            });
             let before = session.before().map(|step| step.values.clone());
-            (session.question.clone(), session.now().values.clone(), before, document)
+            (session.revision, session.depth(), session.question.clone(), session.now().clone(), before)
         };
         let workcell = self.workcells.ask(&question)?;
         let cell = &workcell.cell;
-        let layout = values.layout(cell);
+        let layout = now.values.layout(cell);
         let before = before.map(|values| evaluate(&workcell, &values.layout(cell)));
         let before = before.map(|e| e.objective.map(|o| rounded(cell.unit().from_si(o), DIGITS)));
-        document["numbers"] = json::numbers(cell, &layout);
-        document["lenses"] = json::lens_list(cell);
-        document["before"] = json!(before);
-        document["answer"] = json::answer(&assessed(&workcell, layout, true));
-        Ok(document)
+        let EvaluationSettings { sense, model, reading } = &question;
+        Ok(json::value(&LiveStep {
+            revision,
+            undo,
+            redo,
+            what: &now.what,
+            question: LiveQuestion { sense: sense.as_deref(), model: *model, reading: *reading },
+            numbers: json::numbers(cell, &layout),
+            lenses: json::lens_list(cell),
+            before: before.flatten(),
+            answer: json::answer(&assessed(&workcell, layout, true)),
+        }))
     }
 
     /// Evaluates a layout while equipment is dragged. If `draws` is true, adds the drawing for the 3-D view.
@@ -119,10 +117,10 @@ impl LiveView {
         };
         let workcell = self.workcells.ask(&question)?;
         let assessment = assessed(&workcell, values.layout(&workcell.cell), false);
-        Ok(json!({
-            "numbers": json::numbers(&workcell.cell, &assessment.layout),
-            "answer": json::answer(&assessment),
-            "drawing": if draws { drawn(&assessment)? } else { Value::Null },
+        Ok(json::value(&LiveLayoutTrial {
+            numbers: json::numbers(&workcell.cell, &assessment.layout),
+            answer: json::answer(&assessment),
+            drawing: draws.then(|| drawn(&assessment)).transpose()?,
         }))
     }
 
@@ -163,26 +161,26 @@ impl LiveView {
     }
 
     /// Returns the outlines of the reachable region at the height of every operation, in plan, mm.
-    fn reach(&self) -> Result<Value, String> {
+    fn reach(&self) -> Result<LiveReach, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false);
         let mm = |v: f64| rounded(mm_from_m(v), 1);
         let outline = |o: &Vec<(f64, f64)>| o.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
         let of = |k: usize| a.reachable(k).iter().map(outline).collect::<Vec<_>>();
-        Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
+        Ok(LiveReach { outlines: (0..a.maps.len()).map(of).collect() })
     }
 
     /// Returns the region in which each piece of equipment may be moved from the current layout, and how far
     /// the whole cell may be rotated.
-    fn room(&self) -> Result<Value, String> {
+    fn room(&self) -> Result<LiveRegions, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false).with_regions();
-        Ok(json!({ "regions": RegionEntry::all(&a), "whole_cell": TurnEntry::new(&a) }))
+        Ok(LiveRegions { regions: RegionEntry::all(&a), whole_cell: TurnEntry::new(&a) })
     }
 
     /// Returns the outlines, in plan and in mm, of the region in which a piece of equipment may stand. The
     /// rest of the layout is unchanged.
-    fn standing(&self, asked: &StandingBody) -> Result<Value, String> {
+    fn standing(&self, asked: &StandingBody) -> Result<LiveStanding, String> {
         let (workcell, layout) = self.shown()?;
         if asked.equipment >= workcell.cell.equipment.len() {
             return Err(format!("there is no piece of equipment with the index {}", asked.equipment));
@@ -190,7 +188,7 @@ impl LiveView {
         let rings = standing(&workcell, &layout, asked.equipment, asked.refined);
         let mm = |v: f64| rounded(mm_from_m(v), 1);
         let outline = |ring: &Vec<(f64, f64)>| ring.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
-        Ok(json!({ "outline": rings.iter().map(outline).collect::<Vec<_>>() }))
+        Ok(LiveStanding { outline: rings.iter().map(outline).collect() })
     }
 
     /// Returns the workcell with the current evaluation settings, and the current layout.
@@ -241,9 +239,9 @@ impl LiveView {
 
     /// Returns the revision of the session and the state of the search. Both may change without a request
     /// from this page.
-    fn pulse(&self) -> Value {
-        let search = locked(&self.job).as_ref().map(SearchThread::document);
-        json!({ "revision": locked(&self.session).revision, "search": search })
+    fn pulse(&self) -> LivePulse {
+        let search = locked(&self.job).as_ref().map(SearchThread::record);
+        LivePulse { revision: locked(&self.session).revision, search }
     }
 }
 

@@ -9,8 +9,10 @@ use crate::cli::mutex::locked;
 use crate::cli::output;
 use crate::files::shown;
 use crate::report;
+use crate::report::json::{LiveRefusal, LiveSaved};
 use hyper::StatusCode;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value};
 
 /// Returns the response to an admitted request. `body` is None for a GET.
 pub fn answer(view: &LiveView, inside: &str, body: Option<&[u8]>) -> HttpResponse {
@@ -22,17 +24,16 @@ pub fn answer(view: &LiveView, inside: &str, body: Option<&[u8]>) -> HttpRespons
 }
 
 fn got(view: &LiveView, inside: &str) -> HttpResponse {
-    let document = match inside {
-        "" => return page(),
-        "state" => view.state(),
-        "now" => view.now(),
-        "reach" => view.reach(),
-        "room" => view.room(),
-        "drawing" => view.drawing(),
-        "pulse" => Ok(view.pulse()),
-        _ => return HttpResponse::refused(StatusCode::NOT_FOUND, "not found"),
-    };
-    said(document)
+    match inside {
+        "" => page(),
+        "state" => said(view.state()),
+        "now" => said(view.now()),
+        "reach" => said(view.reach()),
+        "room" => said(view.room()),
+        "drawing" => said(view.drawing()),
+        "pulse" => said(Ok(view.pulse())),
+        _ => HttpResponse::refused(StatusCode::NOT_FOUND, "not found"),
+    }
 }
 
 /// Returns the page. The scripts and styles of the page carry a nonce that is unique to this response.
@@ -41,7 +42,7 @@ fn page() -> HttpResponse {
     page.unwrap_or_else(|why| HttpResponse::refused(StatusCode::INTERNAL_SERVER_ERROR, &why))
 }
 
-fn said(document: Result<Value, String>) -> HttpResponse {
+fn said(document: Result<impl Serialize, String>) -> HttpResponse {
     match document {
         Ok(document) => HttpResponse::json(StatusCode::OK, &document),
         Err(why) => bad(&why),
@@ -88,11 +89,11 @@ fn save(view: &LiveView, asked: &SaveBody) -> HttpResponse {
         Ok(path) => {
             let path = output::path_word(&path);
             output::talk(&format!("wrote {path}"));
-            HttpResponse::json(StatusCode::OK, &json!({ "saved": path }))
+            HttpResponse::json(StatusCode::OK, &LiveSaved { saved: path.to_string() })
         }
         Err(Unsaved::FileExists) => {
             let why = format!("the file `{}` already exists", shown(asked.name.trim()));
-            HttpResponse::json(StatusCode::CONFLICT, &json!({ "error": why, "taken": true }))
+            HttpResponse::json(StatusCode::CONFLICT, &LiveRefusal { error: &why, taken: true })
         }
         Err(Unsaved::Refused(why)) => bad(&why),
         Err(Unsaved::Io) => {

@@ -7,6 +7,7 @@ use super::values::LayoutValues;
 const MAX_STEPS: usize = 1000;
 
 /// One state of the layout in the undo history.
+#[derive(Clone)]
 pub struct Step {
     pub values: LayoutValues,
     /// Change that led to this step, in words.

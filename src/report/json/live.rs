@@ -24,7 +24,7 @@ const VISIBLE_DECIMALS: i32 = 4;
 
 /// Converts a record to a JSON value. The conversion cannot fail, because a record holds only plain numbers
 /// and texts.
-fn value(record: &impl Serialize) -> Value {
+pub fn value(record: &impl Serialize) -> Value {
     serde_json::to_value(record).unwrap_or_default()
 }
 
@@ -33,7 +33,7 @@ fn in_file(slot: Slot, si: f64) -> f64 {
 }
 
 /// Returns the part of a cell that does not depend on the layout.
-pub fn form(cell: &Cell) -> Value {
+pub fn form(cell: &Cell) -> FormRecord<'_> {
     let defined = cell.senses.iter().map(|s| s.name.as_str());
     let equipment = cell.equipment.iter().map(|e| FormEquipment {
         name: &e.name,
@@ -44,7 +44,7 @@ pub fn form(cell: &Cell) -> Value {
     });
     let keep_out = cell.keep_out.iter().map(|k| [mm(k.min.x), mm(k.min.y), mm(k.max.x), mm(k.max.y)]);
     let fence = cell.fence.as_ref().map(|f| f.corners.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect());
-    value(&FormRecord {
+    FormRecord {
         schema: "sweetspot/live/1",
         cell: &cell.name,
         robot: &cell.robot.name,
@@ -58,7 +58,7 @@ pub fn form(cell: &Cell) -> Value {
         base_footprint: rectangle(&cell.robot.footprint),
         keep_out: keep_out.collect(),
         fence,
-    })
+    }
 }
 
 /// Returns the coordinates that the page can change, grouped by their owners: equipment, operations and robot
@@ -101,7 +101,7 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
 
 /// Returns the values of all coordinates of a layout by owner and key. The owner of a coordinate is the robot
 /// base, a piece of equipment or an operation. [`form`] returns the owners and keys.
-pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
+pub fn numbers(cell: &Cell, layout: &Layout) -> NumbersRecord {
     let mut all = NumbersRecord::default();
     // `Cell::layout` visits every coordinate; only the visits are needed here.
     cell.layout(|slot, coordinate| {
@@ -113,13 +113,13 @@ pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
         owner.insert(coordinate_name(slot).into(), in_file(slot, layout.value(cell, slot)));
         coordinate.start()
     });
-    value(&all)
+    all
 }
 
 /// Returns the evaluation of a layout as the page reads it: its objective and its error maps.
-pub fn answer(a: &Assessment<'_>) -> Value {
+pub fn answer<'a>(a: &Assessment<'a>) -> AnswerRecord<'a> {
     let cell = a.cell;
-    value(&AnswerRecord {
+    AnswerRecord {
         feasible: a.evaluation.objective.is_some(),
         met: a.meets_requirements(),
         certified: a.certificate.as_ref().map(|certificate| certificate.holds()),
@@ -130,13 +130,13 @@ pub fn answer(a: &Assessment<'_>) -> Value {
         placements: a.layout.placements.iter().map(placed).collect(),
         base: placed(&a.layout.base),
         operations: a.maps.iter().map(|m| operation(a, m)).collect(),
-    })
+    }
 }
 
 /// Returns the combinations of model and reading under which a cell can be evaluated.
-pub fn lens_list(cell: &Cell) -> Value {
+pub fn lens_list(cell: &Cell) -> Vec<LensChoice> {
     let choice = |l: &ErrorView| LensChoice { model: l.model, reading: l.reading, word: l.reading_word() };
-    value(&lenses(cell).iter().map(choice).collect::<Vec<_>>())
+    lenses(cell).iter().map(choice).collect()
 }
 
 fn operation<'a>(a: &Assessment<'a>, map: &OperationMap) -> AnswerOperation<'a> {

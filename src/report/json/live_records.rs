@@ -3,8 +3,9 @@
 
 use crate::cell::{Model, Reading, Unit};
 use crate::error_map::NodeSign;
-use crate::record::{ByName, StatusCounts};
+use crate::record::{ByName, RegionEntry, StatusCounts, TurnEntry};
 use serde::Serialize;
+use serde_json::Value;
 
 /// Part of a cell that does not depend on the layout.
 #[derive(Serialize)]
@@ -127,4 +128,117 @@ pub struct LensChoice {
     pub model: Model,
     pub reading: Reading,
     pub word: &'static str,
+}
+
+/// Document that a page loads first: the cell, its file and the current step.
+#[derive(Serialize)]
+pub struct LiveState<'a> {
+    #[serde(flatten)]
+    pub form: FormRecord<'a>,
+    pub file: String,
+    /// Current step, a [`LiveStep`].
+    pub now: Value,
+}
+
+/// Sense, model and reading under which the page evaluates a layout.
+#[derive(Serialize)]
+pub struct LiveQuestion<'a> {
+    /// Name of the sense; None if each operation keeps its own sense.
+    pub sense: Option<&'a str>,
+    pub model: Model,
+    pub reading: Reading,
+}
+
+/// Current step of the undo history, with the evaluation of its layout.
+#[derive(Serialize)]
+pub struct LiveStep<'a> {
+    pub revision: u64,
+    /// Number of steps that can be undone.
+    pub undo: usize,
+    /// Number of steps that can be redone.
+    pub redo: usize,
+    /// Change that led to this step, in words.
+    pub what: &'a str,
+    pub question: LiveQuestion<'a>,
+    pub numbers: NumbersRecord,
+    pub lenses: Vec<LensChoice>,
+    /// Objective of the previous step.
+    pub before: Option<f64>,
+    pub answer: AnswerRecord<'a>,
+}
+
+/// Evaluation of a layout that is tried while equipment is dragged.
+#[derive(Serialize)]
+pub struct LiveLayoutTrial<'a> {
+    pub numbers: NumbersRecord,
+    pub answer: AnswerRecord<'a>,
+    /// Drawing for the 3-D view; None if the page has not asked for it.
+    pub drawing: Option<Value>,
+}
+
+/// Outlines of the reachable region at the height of every operation, in plan, mm.
+#[derive(Serialize)]
+pub struct LiveReach {
+    pub outlines: Vec<Vec<Vec<[f64; 2]>>>,
+}
+
+/// Regions in which the equipment may be moved from the current layout.
+#[derive(Serialize)]
+pub struct LiveRegions {
+    pub regions: Vec<RegionEntry>,
+    /// Rotation of the whole cell that keeps the layout feasible.
+    pub whole_cell: Option<TurnEntry>,
+}
+
+/// Outlines of the region in which a piece of equipment may stand, as closed rings in plan, mm.
+#[derive(Serialize)]
+pub struct LiveStanding {
+    pub outline: Vec<Vec<[f64; 2]>>,
+}
+
+/// Progress and result of a search from the page.
+#[derive(Serialize)]
+pub struct LiveSearch {
+    pub running: bool,
+    pub evaluations: u64,
+    pub budget: u64,
+    pub feasible: u64,
+    pub seed: u64,
+    /// Objective of the start layout, in `unit`.
+    pub start: Option<f64>,
+    /// Least objective found, in `unit`.
+    pub best: Option<f64>,
+    /// Reduction of the objective from `start` to `best`, in percent of `start`.
+    pub gain_percent: Option<f64>,
+    pub unit: Unit,
+    pub seconds: f64,
+    /// Reason why the search ended, in words.
+    pub ended: Option<&'static str>,
+    /// Reason why the search failed, in words.
+    pub fault: Option<String>,
+    /// Whether the search has ended with a layout that the page can accept.
+    pub acceptable: bool,
+}
+
+/// State that may change without a request from the page.
+#[derive(Serialize)]
+pub struct LivePulse {
+    pub revision: u64,
+    /// Running or last search; None if the page has started no search.
+    pub search: Option<LiveSearch>,
+}
+
+/// Answer after the layout was saved as a cell file.
+#[derive(Serialize)]
+pub struct LiveSaved {
+    pub saved: String,
+}
+
+/// Answer to a request that the server refuses.
+#[derive(Serialize)]
+pub struct LiveRefusal<'a> {
+    pub error: &'a str,
+    /// Whether a file of the requested name exists.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub taken: bool,
 }

@@ -8,4 +8,8 @@ mod live_records;
 mod viewer_records;
 
 pub use drawing::drawings;
-pub use live::{answer, form, lens_list, numbers};
+pub use live::{answer, form, lens_list, numbers, value};
+pub use live_records::{
+    LiveLayoutTrial, LivePulse, LiveQuestion, LiveReach, LiveRefusal, LiveRegions, LiveSaved, LiveSearch,
+    LiveStanding, LiveState, LiveStep,
+};

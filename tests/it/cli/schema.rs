@@ -139,6 +139,9 @@ fn documents_of_commands_validate_against_the_printed_schemas() {
     assert_eq!(manifest["resolved"]["margins"]["joint_deg"], 2.0);
     let worktable = &manifest["resolved"]["placement_tolerances"]["worktable"];
     assert_eq!((&worktable["x_mm"], &worktable["yaw_deg"]), (&2.0.into(), &0.2.into()));
+    let told = shop.done(&["search", CELL, "--budget", "60", "--progress", "json", "--out", "told"]).err;
+    let line = told.lines().rfind(|line| line.starts_with('{')).expect("a line of progress");
+    validates(&shop, DocumentKind::Progress, &serde_json::from_str(line).unwrap());
     let report = shop.run(&["report", "found", "--json"]);
     validates(&shop, DocumentKind::Report, &report.document());
     let sweep = ["sweep", PAPER, "--map", "--set", "errors=table-2,table-3", "--out", "swept"];
