@@ -1,5 +1,5 @@
-//! Loading of a cell with the settings of the command-line flags, which are validated together with the cell
-//! file.
+//! Loading of a cell with the settings of the command-line flags. These settings are validated together with
+//! the cell file.
 
 use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
@@ -9,8 +9,8 @@ use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
-/// Loads a cell with the settings from the flags. Prints notes on the reading of the errors and on ignored
-/// flags.
+/// Loads a cell with the settings from the flags. Prints notes on the interpretation of the errors and on
+/// ignored flags.
 pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
@@ -28,7 +28,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
     let loaded = loading::load_with(file, packages, &settings)?;
-    // The table also contains the worst-case reading, so the caveats of that reading are printed.
+    // The table also contains the worst-case reading, so the notes on that reading are printed.
     let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
     loaded.cell.with_interpretation_per_operation(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
@@ -48,7 +48,7 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Loads a cell for a search. Prints notes on the reading of the errors and on ignored flags.
+/// Loads a cell for a search. Prints notes on the interpretation of the errors and on ignored flags.
 ///
 /// Refuses `--set`. Also refuses `--sense` if a limit in the cell file has a different unit from the sense,
 /// unless `--limit` replaces that limit.
@@ -63,7 +63,7 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses the sense of a flag if the limit of an operation in the cell file has a different unit.
+/// Refuses the sense that a flag states if the limit of an operation in the cell file has a different unit.
 ///
 /// `cell` has the sense of the flag; `drawn` is the cell file without flags. Without this refusal, the search
 /// would write an invalid best.toml: the file would state the new sense and inherit the limit.

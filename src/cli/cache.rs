@@ -66,8 +66,7 @@ fn is_ours(about: &std::fs::Metadata) -> bool {
     about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
 }
 
-/// Returns true, which lets the cache use the file. Outside Unix, the cache folder counts as private to the
-/// user.
+/// Returns true, so the cache may use the file. Outside Unix, the cache folder counts as private to the user.
 #[cfg(not(unix))]
 fn is_ours(_about: &std::fs::Metadata) -> bool {
     true

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Least time between two checkpoints, which limits the load on file servers.
+/// Least time between two checkpoints. It limits the load on file servers.
 const LEAST_PERIOD: Duration = Duration::from_secs(2);
 
 /// Least time between two checkpoints, as a multiple of the time that it takes to write a checkpoint. Writing

@@ -11,7 +11,7 @@ use std::fs::{File, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest number of bytes read from a lock file, which describes the program that holds the lock.
+/// Largest number of bytes read from a lock file. The file describes the program that holds the lock.
 const MAX_OWNER: u64 = 300;
 
 /// Sharing of a result folder: one program or several programs may write to it.

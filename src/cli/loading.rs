@@ -269,8 +269,8 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     write().map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a file atomically, unless it already contains exactly these bytes. If a file on NFS is
-/// replaced, hosts that have the old file open can no longer read it.
+/// Writes a file atomically, unless it already contains exactly these bytes. Such a file is kept. If a file
+/// on NFS is replaced, hosts that have it open can no longer read it.
 pub fn write_changed(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     let is_same = std::fs::read(path).is_ok_and(|present| present == bytes);
     if is_same { Ok(()) } else { write_whole(path, bytes) }

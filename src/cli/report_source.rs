@@ -86,8 +86,8 @@ fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// Refuses a search.json if its objectives differ from the values that this program computes, or if its
-/// limits differ from the inputs.
+/// Refuses a search.json if its objectives differ from the values that this program computes. Also refuses a
+/// search.json whose limits differ from the limits in the inputs.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);
@@ -97,7 +97,7 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
     ];
     for (which, says, is) in pairs {
         let same = match (says, is) {
-            // Another machine may round differently.
+            // The search may have run on another machine, which may round differently.
             (Some(says), Some(is)) => (says - is).abs() <= 1e-6 * says.abs().max(1e-3),
             (says, is) => says.is_none() == is.is_none(),
         };

@@ -96,7 +96,8 @@ pub fn write_search(
     }
 }
 
-/// Description of a run: its command line, and the settings from its flags, which override the cell file.
+/// Description of a run: its command line, and the settings from its flags. These settings override the cell
+/// file.
 pub struct RunDescription {
     pub command: Vec<String>,
     pub settings: Vec<Setting>,

@@ -18,7 +18,7 @@ pub struct SearchRequest {
     pub cell: PathBuf,
     /// Folders of ROS packages, by name.
     packages: Vec<(String, PathBuf)>,
-    /// Settings from the flags, which override the cell file.
+    /// Settings from the flags. These settings override the cell file.
     pub settings: Vec<Setting>,
     /// Command line that gives the same result in one uninterrupted run.
     pub command: Vec<String>,

@@ -15,8 +15,9 @@ use std::time::{Duration, Instant};
 /// processed this combination count.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Time, in leases, for which a worker waits for the files of a combination whose owner reports it as done. A
-/// network share may show these files late.
+/// Time for which a worker waits for the files of a combination that its owner reports as done. A network
+/// share may show these files late. The unit is the lease, the time without a heartbeat after which a
+/// combination may be taken over.
 const LATE_LEASES: u32 = 3;
 
 /// Number of heartbeats in one lease. It is greater than 1 so that a late heartbeat does not end the lease.

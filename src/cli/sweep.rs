@@ -1,4 +1,4 @@
-//! Plan and folder of a sweep, which can be stopped and resumed.
+//! Plan and folder of a sweep. A sweep can be stopped and resumed.
 //!
 //! A combination depends only on the plan and on its index. The file `NNNN.json` of a combination is complete
 //! or absent. The table is made from these files.

@@ -41,9 +41,9 @@ pub fn check_alternative(
 ///
 /// A search that prices tolerances has the goal `cost` or the objective `tolerance-cost`. Such a search does
 /// not compare the error at the present tolerances with the limits. The layout file does not state goals that
-/// a flag chose. The evaluation of such a file may contain a penalty for a missed limit, which the search did
-/// not add. For a search that prices tolerances, the function therefore ignores [`Evaluation::cost`], the
-/// objective plus penalties.
+/// a flag chose. The evaluation of such a file may contain a penalty for a missed limit. The search did not
+/// add this penalty. For a search that prices tolerances, the function therefore ignores
+/// [`Evaluation::cost`], the objective plus penalties.
 fn is_same_evaluation(cell: &Cell, again: &Evaluation, searched: &Evaluation) -> bool {
     let cost = if cell.search.prices_tolerances() { searched.cost } else { again.cost };
     Evaluation { cost, ..again.clone() } == *searched

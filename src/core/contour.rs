@@ -2,7 +2,7 @@
 //!
 //! An edge of the lattice is crossed if one of its vertices is inside the region and the other is outside.
 //! Square tracing follows the contour from one crossed edge to the next. Bisection locates the contour on a
-//! crossed edge. Two vertices inside that are opposite corners of a square are not joined across the square.
+//! crossed edge. If only two opposite corners of a square are inside, the contour separates them.
 
 use crate::geometry::PlanePoint;
 use std::collections::HashSet;

@@ -130,8 +130,8 @@ impl Displacement {
         Self { position: self.position + turn.moved(&self.position) + next.position, rotation }
     }
 
-    /// Returns the motion that undoes `self`. The reference point of each of the two motions is at one fixed
-    /// place before the motion.
+    /// Returns the motion that undoes `self`. For both motions, `position` is the displacement of the point
+    /// that is at the same fixed place before the motion.
     pub fn inverse(&self) -> Self {
         let turn = SmallRotation::of(&-self.rotation);
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }

@@ -64,8 +64,9 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Only the recognition of
-    /// these kinds is certain. For example, a damaged STL mesh may be recognized as a binary file.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. The recognition of any
+    /// other kind is not certain. For example, a file that is recognized as a binary file may be a damaged
+    /// STL mesh.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

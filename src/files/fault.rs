@@ -161,7 +161,8 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
         // skipped.
         let comparable = length.max(other) <= 100 && length.abs_diff(other) <= most;
         let apart = comparable.then(|| strsim::damerau_levenshtein(word, c))?;
-        // Many words are near a short word, so for example `cm` must not suggest `mm`.
+        // Many candidates differ by few letters from a short word. The second condition refuses most of them:
+        // for example, `cm` must not suggest `mm`.
         let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
         near.then_some((apart, length.abs_diff(other)))
     };

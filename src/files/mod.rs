@@ -50,7 +50,7 @@ pub struct Loaded {
 
 /// Reads a cell file and every file that it refers to.
 ///
-/// The argument `path` is the name of the cell file without its folder. The function passes `read` paths
+/// The argument `path` is the name of the cell file without its folder. The function calls `read` with paths
 /// relative to the folder of the cell file.
 ///
 /// # Errors

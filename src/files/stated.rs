@@ -153,7 +153,8 @@ struct FaultList<'f> {
 }
 
 impl<'f> FaultList<'f> {
-    /// Returns an empty list. Fails with a fault if the text is too long for a calibration.
+    /// Returns a list that has no faults yet. If the text is too long for a calibration, the function fails
+    /// with a fault.
     fn new(file: &'f str, text: &str) -> Result<Self, Vec<Fault>> {
         if text.lines().count() > MAX_LINES {
             let message = format!("the file has more than {MAX_LINES} lines");

@@ -25,7 +25,7 @@ pub struct AllocationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the reading gives.
+    /// Name of the error figure that the reading (interpretation of errors) gives, such as "worst case".
     pub quantity: String,
     pub registration: Registration,
     /// Required yield: share of arms with random parameter errors that must stay within each limit. Null
@@ -128,7 +128,7 @@ pub struct AllocationRequirement {
     pub node: [usize; 2],
     pub unit: Unit,
     pub limit: f64,
-    /// Figure with the tolerances in the error set.
+    /// Figure that the tolerances in the error set give.
     pub before: f64,
     /// Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible.
     pub after: Option<f64>,
@@ -178,8 +178,8 @@ pub struct JudgementEntry {
     /// cell then judges these tolerances.
     pub missed_percent: f64,
     /// Index of the round that gave the solution; the first round has the index 0. Each round multiplies
-    /// figures of the linear error model by factors. At the tolerances before the round, the products equal
-    /// the figures of the error model of the cell.
+    /// every figure of the linear error model by a factor. At the tolerances of the previous round, the
+    /// product equals the figure of the error model of the cell.
     pub rounds: usize,
     /// Number of further allocations that were necessary because Monte Carlo samples exceeded a limit.
     pub sampled_rounds: usize,

@@ -27,7 +27,7 @@ pub struct BudgetDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the reading gives.
+    /// Name of the error figure that the reading (interpretation of errors) gives, such as "worst case".
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -48,13 +48,13 @@ pub struct OperationBudget {
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
     /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
-    /// the errors of the sample compensate each other. The program assumes this if the error of a
+    /// the errors of the sample compensate each other. The program assumes that they do if the error of a
     /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
-    /// Limit minus the error under the reading; negative if the error exceeds the limit. If a certificate is
-    /// required, a known upper bound of this error over all misplacements replaces the error. Null if the
-    /// operation has no limit, or if the quantity is the yield.
+    /// Limit minus the error figure that the reading gives; negative if the error exceeds the limit. If a
+    /// certificate is required, a known upper bound of this figure over all misplacements replaces the
+    /// figure. Null if the operation has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -71,9 +71,10 @@ pub struct OperationBudget {
     pub linear_rms: Option<f64>,
 }
 
-/// Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
-/// the signed reading if the errors of the sample compensate each other. The program assumes this if the
-/// error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
+/// Error figures of a posture, for the component of the error that counts for the operation (its sense).
+/// Worst case and statistics are null in the signed reading if the errors of the sample compensate each
+/// other. The program assumes that they do if the error of a Denavit-Hartenberg length (r or l) exceeds the
+/// reach of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {
@@ -102,7 +103,7 @@ pub struct ShareEntry {
     /// the parameter has its signed value. In any other reading, the parameter deviates from its mean by the
     /// half width of its tolerance.
     pub linear_term_mm: [f64; 3],
-    /// Linear error in the sense of the operation if this parameter is at its tolerance and all other
+    /// Linear error that the operation's sense measures if this parameter is at its tolerance and all other
     /// parameters are 0.
     pub alone: f64,
     /// Share of the parameter in the linear worst case, from 0 to 1; null if `worst_linear_exact` of the

@@ -40,14 +40,15 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges. "ranked-nodes" skips nodes, "bounded-postures" skips postures, and
-    /// "spin-families" skips groups of postures that differ in the last joint alone. "every-posture" skips
-    /// none. A node, posture or group is skipped if its lower bound exceeds the best value found.
+    /// Word that states what the search skips. With "ranked-nodes", it skips nodes. With "bounded-postures",
+    /// it skips postures. With "spin-families", it skips groups of postures that differ in the last joint
+    /// alone. With "every-posture", it skips nothing. A node, posture or group is skipped if its lower bound
+    /// exceeds the best value found.
     pub judges: String,
     /// Reason why the search judges every posture; null if the search skips some postures.
     pub why: Option<String>,
-    /// Reason why the search excludes no nodes by a value field (lower bounds that hold in every layout);
-    /// null if it does.
+    /// Reason why the operation can have no value field (lower bounds that hold in every layout), which
+    /// excludes nodes. Null if the operation can have a value field.
     #[serde(default)]
     pub why_no_field: Option<String>,
 }

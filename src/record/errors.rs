@@ -160,7 +160,8 @@ impl TestCubeEntry {
     }
 }
 
-/// Request for a guess: the origin of the tolerances, and the figures of the data sheet.
+/// Request for a guessed error set: the origin of its tolerances, the base frame, and the accuracy that the
+/// data sheet states.
 pub struct GuessQuestion {
     pub origin: ErrorOrigin,
     pub origin_name: String,

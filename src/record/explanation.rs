@@ -32,7 +32,7 @@ pub struct ExplanationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the reading gives.
+    /// Name of the error figure that the reading (interpretation of errors) gives, such as "worst case".
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -80,7 +80,7 @@ pub struct ExplanationDocument {
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
     /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the
-    /// errors of the sample compensate each other. The program assumes this if the error of a
+    /// errors of the sample compensate each other. The program assumes that they do if the error of a
     /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,

@@ -88,7 +88,7 @@ pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
     }
 }
 
-/// Returns the unit of a goal; empty if the goal is a plain number.
+/// Returns the unit of a goal; the text is empty if the value of the goal has no unit.
 pub fn word(cell: &Cell, goal: Goal) -> &'static str {
     match goal {
         Goal::Error => cell.unit().word(),

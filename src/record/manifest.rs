@@ -27,8 +27,8 @@ pub struct ManifestDocument {
     pub cell: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Keys of the cell file that the command line set. The inputs and these settings together reproduce the
-    /// cell.
+    /// Keys of the cell file whose values come from the command line. The inputs and these settings together
+    /// reproduce the cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<Vec<Setting>>,
     /// Settings of the run after flags, cell file and defaults were merged.

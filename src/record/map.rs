@@ -79,7 +79,7 @@ pub struct JointEntry {
     pub unit: Unit,
 }
 
-/// Sense in which the error is measured.
+/// Sense: component of the error that counts, with its unit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SenseEntry {

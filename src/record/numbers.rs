@@ -29,7 +29,8 @@ pub fn in_unit(unit: Unit, si: f64) -> f64 {
     nine_digits(unit.from_si(si))
 }
 
-/// Converts an SI value to `unit` as [`in_unit`] does; None if the value is infinite, which means unknown.
+/// Converts an SI value to `unit` as [`in_unit`] does. Returns None if the value is not finite, because an
+/// unknown value is stored as infinity.
 pub fn known_in_unit(unit: Unit, si: f64) -> Option<f64> {
     si.is_finite().then(|| in_unit(unit, si))
 }

@@ -48,7 +48,7 @@ pub struct OperationReadings {
 #[serde(deny_unknown_fields)]
 pub struct ReadingEntry {
     pub reading: Reading,
-    /// Name of the figure that `reading` gives.
+    /// Name of the error figure that `reading` gives, such as "worst case".
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// their placements. Every operation keeps its spot and branch.
 ///
 /// Everywhere in the region, the layout works within the placement tolerances. The objective grows by at most
-/// `indifference_percent`.
+/// the percentage `indifference_percent` of the cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {
@@ -99,6 +99,7 @@ fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
 /// Rounds a displacement or angle down, because a larger displacement or angle may not be feasible.
 fn down(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
-    // Adding 1e-6 keeps values that are multiples up to rounding errors. Adding 0 avoids a negative zero.
+    // Without the added 1e-6, a rounding error could reduce a multiple of the step to the next lower
+    // multiple. Adding 0 avoids a negative zero.
     ((value * scale + 1e-6).floor() / scale) + 0.0
 }

@@ -79,8 +79,9 @@ pub struct SearchResult {
     /// or the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is
     /// true.
     pub certified: Option<CertifiedEntry>,
-    /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
-    /// the search chooses one whose room is nearly the largest. Null if no layout is feasible and within
+    /// Least objective found, in `unit`. Layouts whose objective is at most `indifference_percent` (cell
+    /// file) greater count as equally good. Among them, the search chooses one with nearly the largest room.
+    /// The room of a layout is the least `room_mm` of its pieces. Null if no layout is feasible and within
     /// every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
@@ -88,8 +89,9 @@ pub struct SearchResult {
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
     /// Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y
-    /// and yaw have ranges. At these angles, the objective grows by at most `indifference_percent`. Null if
-    /// the layout is infeasible or misses a limit, or if equipment under an operation does not rotate.
+    /// and yaw have ranges. At these angles, the objective grows by at most the percentage
+    /// `indifference_percent` of the cell file. Null if the layout is infeasible or misses a limit, or if
+    /// equipment under an operation does not rotate.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.

@@ -51,8 +51,8 @@ pub struct SpotEntry {
 }
 
 /// Error figures by sense; null if the operation has no spot. Worst case and statistics are null in the
-/// signed reading if the errors of the sample compensate each other. The program assumes this if the error of
-/// a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
+/// signed reading if the errors of the sample compensate each other. The program assumes that they do if the
+/// error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.

@@ -95,7 +95,7 @@ impl SweepPlan {
         pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).chain(others).collect()
     }
 
-    /// Returns the command line that makes and merges the islands of a search.
+    /// Returns the command line that runs the islands of a search and merges their results.
     pub fn command(&self) -> Vec<String> {
         let packages = self.packages.iter().map(|(name, folder)| format!("{name}={}", folder.display()));
         let packages = packages.flat_map(|package| ["--package".to_string(), package]);

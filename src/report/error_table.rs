@@ -101,11 +101,11 @@ fn is_given(spread: &Spread) -> bool {
     spread.plus_minus > 0.0
 }
 
-/// Returns the place of a parameter in the robot file, which depends on the D-H convention of the file.
+/// Returns the place of a parameter in the robot file. This place depends on the D-H convention of the file.
 /// Returns None if the robot file cannot state the parameter.
 fn place(robot: &Robot, parameter: Parameter) -> Option<FilePlace> {
     let modified = robot.convention == Convention::Modified;
-    // A modified row begins with the common normal at the end of the standard row before it.
+    // The common normal at the end of a standard row is at the beginning of the next modified row.
     let shift = usize::from(modified);
     Some(match parameter {
         Parameter::Dq(i) => FilePlace::Row(usize::from(robot.joints[i].kind == JointKind::Prismatic), i),
@@ -156,7 +156,7 @@ fn distributions(
     }
     let list =
         |spreads: &[Spread]| spreads.iter().map(|s| word(s.distribution)).collect::<Vec<_>>().join(", ");
-    // One of dq_deg and dq_mm is given for each joint.
+    // The tolerance of a joint is in dq_deg if the joint is revolute, and in dq_mm if it is prismatic.
     let dq: Vec<_> = rows[0].iter().zip(&rows[1]).map(|(a, b)| if is_given(a) { *a } else { *b }).collect();
     let mut parts = vec![format!("dq = [{}]", list(&dq))];
     parts.extend(ROWS.iter().zip(rows).skip(2).map(|((_, key), row)| format!("{key} = [{}]", list(row))));

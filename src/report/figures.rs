@@ -1,4 +1,5 @@
-//! Figures of the seed paper for any cell: pictures with their captions.
+//! Figures of the seed paper (the 1990s paper from which this project grew), drawn for any cell: pictures
+//! with their captions.
 
 use super::chart;
 use crate::assess::Assessment;
@@ -177,7 +178,7 @@ pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String 
         "# The figures of the seed paper, drawn anew\n\nMade by one command (into a new folder; nothing is \
          overwritten):\n\n",
     );
-    // Writing to a String cannot fail; the results below are dropped for that reason.
+    // Writing to a String cannot fail, so the results of the writes below are ignored.
     let _ = writeln!(out, "    sweetspot {command}\n");
     out.push_str(
         "Arrows show the errors, enlarged by the factor in each picture; their colour shows the size \

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-/// Identifiers given so far. Two identifiers differ in more than the case of their letters.
+/// Identifiers given so far. No two identifiers differ only in the case of their letters.
 pub struct Identifiers {
     longest: usize,
     given: HashSet<String>,
@@ -18,8 +18,8 @@ impl Identifiers {
     /// than letters and digits.
     ///
     /// A prefix must begin with a letter, unless it is empty. An empty prefix requires a name that begins
-    /// with an ASCII letter. If an identifier is already given, a number at the end makes the new identifier
-    /// different.
+    /// with an ASCII letter. If this identifier is already in use, a number is appended to make the new
+    /// identifier different.
     pub fn give(&mut self, prefix: &str, name: &str) -> String {
         let plain = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
         let whole: String = prefix.chars().chain(plain).collect();

@@ -132,8 +132,8 @@ fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let names: Vec<String> = parameters.iter().map(|parameter| format!("\"{}\"", parameter.name())).collect();
     let mut out = format!("[errors.measured.covariance]\nparameters = [{}]\nmatrix = [\n", names.join(", "));
     for i in 0..size {
-        // The lower half of the matrix repeats the upper half, so that the file is symmetric to the last
-        // digit.
+        // The lower half of the matrix repeats the upper half. The matrix in the file is therefore symmetric
+        // to the last digit.
         let entry = |j: usize| {
             let (a, b) = (i.min(j), i.max(j));
             format!("{:e}", matrix[(a, b)] * scales[a] * scales[b])
@@ -182,7 +182,7 @@ fn numbers(values: impl Iterator<Item = f64>) -> String {
 /// Number of decimals of stated errors, in mm and degrees.
 const STATED_DECIMALS: i32 = 10;
 
-/// Returns the table with the errors that a file states, as a signed sample.
+/// Returns the table with the errors that a file states. The table states them as a signed sample.
 pub fn stated_table(robot: &Robot, errors: &SignedErrors, source: &str) -> String {
     let source = toml_string(&format!("sweetspot calibrate: {source}"));
     let mut out = format!("[errors.measured]\nkind = \"signed\"\nsource = {source}\n");

@@ -1,6 +1,6 @@
 //! Planning scene of MoveIt: equipment, obstacles, fence and keep-out boxes as collision objects.
 //!
-//! The text has the format of the scene files that RViz exports and imports. The sources are
+//! The text has the format of the scene files that RViz exports and imports. The format is defined by
 //! `PlanningScene::saveGeometryToStream` of MoveIt 1 and `shapes::saveAsText` of geometric_shapes. MoveIt 1
 //! (Noetic) and MoveIt 2 read this format, which has object poses and subframes:
 //!

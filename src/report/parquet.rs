@@ -1,4 +1,4 @@
-//! The nodes of a map as Apache Parquet for data frames, with the columns of map.csv.
+//! The nodes of a map as an Apache Parquet table for data analysis, with the columns of map.csv.
 
 use crate::assess::Assessment;
 use crate::record::{ColumnKind, MapDocument, NodeTable, TableColumn, TableValue};

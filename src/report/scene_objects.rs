@@ -128,7 +128,8 @@ fn solids<'a>(name: &'a str, shape: &'a Shape, floor: f64) -> Vec<SceneSolid<'a>
 /// Returns the pose midway between the points `a` and `b`. The z axis of the pose points from `a` to `b`.
 fn along_z(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let axis = (b - a).try_normalize(0.0).unwrap_or_else(Vector3::z);
-    // The coordinate axis that is farthest from the bar gives the first of two perpendicular axes.
+    // The coordinate axis that is most nearly perpendicular to the bar determines the first of two
+    // perpendicular axes.
     let far = Vector3::ith(axis.iamin(), 1.0);
     let across = axis.cross(&far).normalize();
     let rotation = Matrix3::from_columns(&[across, axis.cross(&across), axis]);

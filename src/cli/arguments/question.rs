@@ -47,8 +47,8 @@ pub struct QuestionFlags {
     pub registration: Option<String>,
 }
 
-/// Returns the setting of a flag, which gives the key `path` the text `value`. Returns None if `value` is
-/// None. The argument `name` is the name of the flag without `--`.
+/// Returns the setting of the flag `name` (without `--`). The setting gives the key `path` the text `value`.
+/// Returns None if `value` is None.
 pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
 }

@@ -115,8 +115,8 @@ pub struct StoppingFlags {
     pub time: Option<f64>,
 }
 
-/// Returns the setting of a flag, which gives the key `path` the whole number `value`. Returns None if
-/// `value` is None. The argument `name` is the name of the flag without `--`.
+/// Returns the setting of the flag `name` (without `--`). The setting gives the key `path` the whole number
+/// `value`. Returns None if `value` is None.
 pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, value.to_string()))
 }

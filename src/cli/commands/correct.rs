@@ -63,8 +63,8 @@ fn say_picks(cell: &Cell) {
     }
 }
 
-/// Returns the corrector of the errors of an operation. Refuses a set of tolerances, whose signs are unknown,
-/// and errors that are all 0.
+/// Returns the corrector of the errors of an operation. Refuses a set of tolerances, because the signs of its
+/// errors are unknown. Also refuses errors that are all 0.
 fn corrector<'w>(workcell: &'w Workcell, operation: usize) -> Result<OperationCorrector<'w>, Exit> {
     OperationCorrector::new(workcell, operation).ok_or_else(|| {
         let cell = &workcell.cell;

@@ -37,7 +37,8 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
     let next = match a.to {
         Glb => Dxf,
-        // With the PDF, the fitter places the equipment whose frames the controller has.
+        // A controller file contains the frames of the equipment. The PDF shows the fitter where to place
+        // this equipment.
         Krl | Rapid | Urscript | Fanuc => Pdf,
         _ => Glb,
     };
@@ -145,7 +146,8 @@ fn plain_drawing<'a>(a: &Assessment<'a>) -> Result<Drawing<'a>, String> {
     Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN })
 }
 
-/// Refuses a file name with the extension of another format, which would mislead the program that opens it.
+/// Refuses a file name with the extension of another format. Such a name would mislead the program that opens
+/// the file.
 fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
     let given = out.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let others = ExportFormat::value_variants().iter().filter(|f| **f != format);

@@ -1,4 +1,4 @@
-//! `figures`: draws the figures of the seed paper for any cell.
+//! `figures`: draws the figures of the seed paper (the paper from which this project grew) for any cell.
 
 use super::{stem, suggest_with, workcell};
 use crate::assess::Assessment;

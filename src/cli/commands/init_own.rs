@@ -202,7 +202,8 @@ fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
                 return best;
             }
         }
-        // A place where the tool points down is preferred to a place with a few more usable nodes.
+        // The first attitudes let the tool point down. Later attitudes are tried only if at most half of the
+        // nodes are usable so far.
         if best.as_ref().is_some_and(|best| 2 * best.usable > best.nodes) {
             break;
         }

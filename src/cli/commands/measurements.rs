@@ -157,8 +157,8 @@ fn remarks(
             rounded(deg_from_rad(of.rms), 3)
         ));
     }
-    // If the robot base is this near to the origin of the positions, they are not in the frame of a distant
-    // tracker.
+    // The origin of a distant tracker cannot be this near to the robot base. The positions are therefore in
+    // the base frame of the robot.
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
         let is_turned = axis.x < -UPRIGHT;
@@ -173,8 +173,8 @@ fn remarks(
     said
 }
 
-/// Distance, m, between the robot base and the origin of the measured positions. Below this distance, the
-/// positions count as measured in the base frame.
+/// Threshold of the distance, m, between the robot base and the origin of the measured positions. Below this
+/// distance, the positions count as measured in the base frame.
 const NEAR_BASE: f64 = 0.03;
 
 /// Least cosine of the angle between two axes that both count as vertical.

@@ -59,7 +59,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     if is_shared {
         sweep.folder.sweep_when_last();
     } else {
-        // No other program writes here: unfinished files come from killed jobs.
+        // No other program writes to this folder, so its unfinished files come from killed jobs.
         loading::sweep(&sweep.folder);
     }
     table::gather(&sweep, a.json)
@@ -90,7 +90,7 @@ pub fn is_missing(folder: &Path, index: usize) -> bool {
     }
 }
 
-/// Reports the files of a run with `--only`, which writes no table.
+/// Reports the files of a run with `--only`. Such a run writes no table.
 fn tell_part(sweep: &CheckedSweep, only: &IndexRanges) {
     let folder = path_word(&sweep.folder);
     match &only.below(sweep.plan.combinations)[..] {

@@ -15,7 +15,8 @@ const fn sketch(
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 
-/// Returns a first cell for the arm of the seed paper. Three robot files describe this arm.
+/// Returns a first cell for the Hitachi arm of the seed paper, from which this project grew. Three robot
+/// files describe this arm.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
     let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(

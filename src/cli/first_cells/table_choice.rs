@@ -31,7 +31,7 @@ const LEAST_TOP: f64 = 300.0;
 /// Largest number of places for which a map is computed.
 const MAX_PLACES: usize = 12;
 
-/// Range of radii, m, within which an arm reaches every sampled point at one height, m.
+/// Range of radii within which an arm reaches every sampled point at one height. Radii and height are in m.
 struct ReachableStretch {
     height: f64,
     from: f64,

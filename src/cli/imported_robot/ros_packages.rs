@@ -46,8 +46,8 @@ fn is_package(folder: &Path, name: &str) -> bool {
     stated.map_or(own, |stated| stated == name)
 }
 
-/// Returns the folder of a package in the search paths of ROS, which environment variables state. Returns
-/// None if the package is not found.
+/// Returns the folder of a package in the search paths of ROS. Environment variables state these paths.
+/// Returns None if the package is not found.
 fn of_ros(name: &str) -> Option<PathBuf> {
     let all = |variable: &str| std::env::var_os(variable).unwrap_or_default();
     let (ros1, ros2) = (all("ROS_PACKAGE_PATH"), all("AMENT_PREFIX_PATH"));

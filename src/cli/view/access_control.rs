@@ -29,7 +29,8 @@ pub fn secret() -> Result<String, String> {
 }
 
 impl AccessControl {
-    /// Returns the access control of the server on `port`, whose URL contains the secret `token`.
+    /// Returns the access control of the server on `port`. The URL of this server contains the secret
+    /// `token`.
     pub fn new(token: String, port: u16) -> Self {
         Self { token, port }
     }

@@ -139,7 +139,7 @@ impl LiveView {
         Ok(())
     }
 
-    /// Returns to the layout as drawn, as a new step.
+    /// Adds a new step that restores the layout as drawn.
     fn reset(&self) {
         let mut session = locked(&self.session);
         let start = session.start().clone();

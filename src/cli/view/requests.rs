@@ -29,7 +29,7 @@ pub struct QuestionBody {
 pub struct StandingBody {
     /// Index of the piece of equipment in the cell.
     pub equipment: usize,
-    /// Whether a finer outline is wanted, which takes longer.
+    /// Whether a finer outline is wanted; its computation takes longer.
     #[serde(default)]
     pub refined: bool,
 }

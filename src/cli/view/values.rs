@@ -49,8 +49,8 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    /// Returns a cell with this layout as its start. If `frees` is true, a fixed coordinate whose value
-    /// differs becomes a range, as in [`Cell::starting_at`].
+    /// Returns a cell with this layout as its start. If `frees` is true, a fixed coordinate that gets another
+    /// value becomes a range, as in [`Cell::starting_at`].
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }

@@ -5,8 +5,8 @@ use nalgebra::Vector6;
 
 /// Convex constraint on the tolerance scales `u`.
 ///
-/// An affine function of `u`, or the norm of a vector of affine functions, is at most 1. Figures are scaled
-/// so that their limits are 1.
+/// An affine function of `u`, or the norm of a vector of affine functions, must be at most 1. The error
+/// figures are scaled so that their limits are 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConeCut {
     /// Constraint of a worst case in one axis, for one sign pattern: `constant + sum_k columns_k u_k <= 1`.

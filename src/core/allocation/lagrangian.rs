@@ -73,8 +73,8 @@ pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
         CostLaw::Reciprocal { at, power } => (power * at / (2.0 * q)).powf(1.0 / (power + 2.0)),
         _ => low,
     };
-    // For each part of the price, doubling this part and leaving out the other gives a stationary scale. The
-    // smaller of the two scales is below the scale that is sought.
+    // Two trial scales follow from the price `2 p` alone and from the price `2 q` alone. The smaller trial
+    // scale does not exceed the scale that is sought.
     let mut u = match (q > 0.0, p > 0.0) {
         (false, _) => stationary(&cost.law, p),
         (true, false) => of_square(q).clamp(low, high),

@@ -8,7 +8,7 @@ use nalgebra::Vector6;
 
 /// Largest number of Newton steps to find the multiplier.
 const MAX_STEPS: usize = 80;
-/// Half width of the bracket of the multiplier's logarithm.
+/// Half width of the bracket in which the logarithm of the multiplier is sought.
 const WIDEST: f64 = 60.0;
 /// Longest step of the multiplier's logarithm.
 const LONGEST: f64 = 3.0;
@@ -27,8 +27,8 @@ pub struct LimitRow {
 }
 
 impl LimitRow {
-    /// Returns the row of a cut along a direction of its error. Only a cut with several axes depends on the
-    /// direction.
+    /// Returns the constraint that a cut gives along a direction of its error. The direction matters only for
+    /// a cut with several axes.
     pub(super) fn along(cut: &ConeCut, direction: &Vector6<f64>) -> Self {
         match cut {
             ConeCut::Row { columns, constant } => {

@@ -6,7 +6,8 @@ use crate::reading::farthest;
 use crate::reading::zonotope::{MAX_GENERATORS, ZonotopeScratch};
 use nalgebra::Vector6;
 
-/// Figure of one operation at one node, which grows with the scales `u`: a worst case or a root sum square.
+/// Error figure of one operation at one node: a worst case or a root sum square. The figure grows with the
+/// scales `u`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LinearFigure {
     /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.

@@ -11,6 +11,7 @@
 //! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
 //! ```
 //!
+//! The figure `F_i(u)` of requirement i is the error of one operation at one node, and `X_i` is its limit.
 //! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one
 //! second-order cone. A worst case is one second-order cone for each sign pattern. In one axis, it is a
 //! single linear inequality. In a plane, the patterns depend only on the directions of the generators, so n

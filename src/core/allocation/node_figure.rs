@@ -10,8 +10,8 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Share of the largest variance that sets the smallest numerical step. The step of a variance is `STEP`
-/// times the variance. For a small variance, this share of the largest variance replaces the variance.
+/// Lower limit of the variance that sets a numerical step, as a share of the largest variance. The step is
+/// `STEP` times the variance. For a variance below the limit, the step is `STEP` times the limit.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.

@@ -8,8 +8,8 @@ const BISECTIONS: usize = 60;
 
 /// Returns the common scale of uniform tightening, and the scale of every tolerance. The scale of a tolerance
 /// is the common scale, clamped to the range of its cost model. If the cost model has grades, the scale is
-/// that of the loosest grade within the common scale. If no grade is within the common scale, the scale is
-/// that of the tightest grade.
+/// the largest scale of a grade up to the common scale. If all grades have greater scales, the scale is that
+/// of the tightest grade.
 ///
 /// Returns None if a figure exceeds its limit even at the tightest tolerances.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {

@@ -12,8 +12,8 @@ use crate::layout::Workcell;
 use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
-/// Largest relative margin at which a requirement counts as binding: limit minus figure, divided by the
-/// limit.
+/// Largest relative margin at which a requirement counts as binding. The relative margin is the limit minus
+/// the error of the requirement, divided by the limit.
 const BINDING: f64 = 1e-4;
 
 /// Parameter whose tolerance is chosen.
@@ -35,7 +35,7 @@ pub struct NodeRequirement {
     place: usize,
     /// Limit, m or rad.
     pub limit: f64,
-    /// Worst case or statistical figure at the tolerances of the error set, m or rad.
+    /// Error at the tolerances of the error set, m or rad: the worst case or a statistical figure.
     pub before: f64,
 }
 
@@ -48,7 +48,7 @@ pub struct CellAllocation<'a> {
     /// Parameters whose errors stay unchanged, because they are measured or correlated.
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
-    /// Demanded yield, 0 to 1, which is used only if the quantity is the yield.
+    /// Demanded yield, 0 to 1. This value is used only if the quantity is the yield.
     pub(super) share: f64,
 }
 
@@ -60,7 +60,7 @@ pub enum NoAllocation {
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.
     Unusable(String),
-    /// Even at the tightest tolerances, the figures of these requirements exceed their limits.
+    /// Even at the tightest tolerances, the errors of these requirements exceed their limits.
     Infeasible(Vec<ToleranceShortfall>),
     /// The solver of the cone programs failed.
     NotSolved,
@@ -144,8 +144,8 @@ impl<'a> CellAllocation<'a> {
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Keeps only one node for each operation. This node has the least cost by the linear model. The cost of
-    /// a node is the cost of the cheapest tolerances that meet the limit at this node alone.
+    /// Keeps only one node for each operation. This node has the least cost according to the linear model.
+    /// The cost of a node is the cost of the cheapest tolerances that meet the limit at this node alone.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
@@ -155,7 +155,7 @@ impl<'a> CellAllocation<'a> {
             let value = figure.value(&mut memory);
             let linear = figure.linear(&free, &present, value, &mut memory);
             let at_present = linear.value(&present, &mut FigureScratch::default());
-            // The linear figure is scaled to the judged figure at the present tolerances.
+            // The linear figure is scaled so that it equals the judged figure at the present tolerances.
             linear.scaled(if at_present > 0.0 && value > 0.0 { value / at_present } else { 1.0 })
         })?;
         let cost_of = |(figure, r): (LinearFigure, &NodeRequirement)| {
@@ -184,7 +184,7 @@ impl<'a> CellAllocation<'a> {
         found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)
     }
 
-    /// Returns the unit of an operation, in which its figures and its limit are given.
+    /// Returns the unit in which the errors and the limit of an operation are given.
     pub fn unit(&self, operation: usize) -> Unit {
         self.workcell.cell.operations[operation].sense.unit
     }
@@ -212,7 +212,8 @@ impl<'a> CellAllocation<'a> {
     }
 
     /// Calls `each` for every requirement whose index is in `which`, and collects the results. `each`
-    /// receives the index of the requirement and its figure, which is computed for `workcell`.
+    /// receives the index of the requirement and a `NodeFigure`, which computes its error figure in
+    /// `workcell`.
     pub(super) fn visit<T>(
         &self,
         workcell: &Workcell,
@@ -233,7 +234,7 @@ impl<'a> CellAllocation<'a> {
         figures.collect()
     }
 
-    /// Returns the figure of every requirement in a workcell.
+    /// Returns the error figure (worst case or statistical) of every requirement in a workcell.
     pub(super) fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
         let all = 0..self.requirements.len();
         self.visit(workcell, all, |_, figure| figure.value(&mut figure.evaluator.memory()))

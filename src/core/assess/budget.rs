@@ -5,8 +5,8 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of parameters whose tolerances are halved in trials: the parameters with the largest shares of the
-/// budget.
+/// Number of parameters whose tolerances are halved in trials. These parameters have the largest shares of
+/// the budget.
 const TIGHTENED: usize = 3;
 
 /// Result of a trial: the worst case or statistical quantity after the tolerances of `parameters` are halved.
@@ -26,11 +26,12 @@ pub struct BudgetReport<'a> {
     pub judged: PostureErrors,
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
-    /// Worst case in the sense of the operation; None if the errors are not tolerances
-    /// ([`ErrorEvaluator::has_tolerances`]).
+    /// Worst case of the error component that matters to the operation (its sense); None if the errors are
+    /// not tolerances ([`ErrorEvaluator::has_tolerances`]).
     pub worst: Option<WorstCase>,
-    /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
-    /// worst case in any other reading. The figure is infinite if the errors are not tolerances.
+    /// Error figure that smaller tolerances reduce. In the statistical reading, it is the first-order
+    /// quantity, such as the RMS. In any other reading, it is the worst case. The figure is infinite if the
+    /// errors are not tolerances.
     pub figure: f64,
     /// Results of trials with halved tolerances. The trials concern up to three parameters, which have the
     /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there are
@@ -73,7 +74,7 @@ impl<'a> BudgetReport<'a> {
         Self { budget, judged, check, worst: Some(worst), figure, tighter, context }
     }
 
-    /// Returns the unit of [`Self::figure`], which is in m, rad or a share.
+    /// Returns the unit of [`Self::figure`]: m, rad or a share.
     pub fn unit(&self) -> Unit {
         match self.context.cell.is_yield() {
             true => Unit::Share,

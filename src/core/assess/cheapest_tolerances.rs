@@ -16,8 +16,8 @@ pub struct CheapestTolerances {
     pub found: JudgedAllocation,
     /// Monte Carlo checks; empty unless the reading is statistical.
     pub sampled: Vec<SampledRequirement>,
-    /// Number of repeated allocations. An allocation is repeated if Monte Carlo samples refute a figure and
-    /// the sampled figure exceeds the limit.
+    /// Number of repeated allocations. An allocation is repeated if Monte Carlo samples do not confirm an
+    /// error figure, and the sampled error exceeds the limit.
     pub sampled_rounds: usize,
 }
 

@@ -7,7 +7,8 @@ use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 
-/// Distribution of the size of the error at an operation's spot, in the sense of that operation, m or rad.
+/// Distribution of the error at an operation's spot, m or rad. The error is the size of the component that
+/// matters to the operation (its sense).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorDistribution {
     pub operation: usize,

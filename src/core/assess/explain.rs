@@ -77,8 +77,8 @@ pub struct Explanation<'a> {
     pub judged: PostureErrors,
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
-    /// Worst case in the sense of the operation; None if the errors are not tolerances
-    /// ([`crate::reading::ErrorEvaluator::has_tolerances`]).
+    /// Worst case of the error component that matters to the operation (its sense); None if the errors are
+    /// not tolerances ([`crate::reading::ErrorEvaluator::has_tolerances`]).
     pub worst: Option<WorstCase>,
     /// Nonlinear error of the robot alone. Registration and errors of the equipment are ignored. If the
     /// operation places a picked part, the error at the pick is also ignored.
@@ -129,7 +129,8 @@ impl<'a> Explanation<'a> {
         Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, check, context }
     }
 
-    /// Returns the error figures of the posture in the operation's sense, m or rad.
+    /// Returns the error figures of the posture for the error component that matters to the operation (its
+    /// sense), m or rad.
     pub fn figures(&self) -> &Figures {
         &self.judged.figures[self.context.evaluator.own()]
     }
@@ -205,7 +206,8 @@ fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRo
     evaluator.sense.rows().iter().map(row).collect()
 }
 
-/// Returns the vector (base frame, m) from the TCP to the point whose error counts in the sense.
+/// Returns the vector (base frame, m) from the TCP to the point whose error the sense of the operation
+/// measures.
 fn arm(context: &PostureContext<'_>, frames: &Frames) -> Vector3<f64> {
     frames.tcp.rotation * context.evaluator.sense.point
 }

@@ -57,7 +57,7 @@ use crate::reach::{Envelope, Fineness};
 use crate::reading::{Estimate, Figures, MonteCarlo};
 use crate::region::Regions;
 
-/// Full evaluation of one layout, with maps and figures.
+/// Full evaluation of one layout, with its error maps and error figures.
 pub struct Assessment<'a> {
     pub label: String,
     pub cell: &'a Cell,
@@ -176,13 +176,14 @@ impl<'a> Assessment<'a> {
         plan.outlines.iter().map(|o| o.points.iter().map(|p| world(*p)).collect()).collect()
     }
 
-    /// Returns the spot of an operation, which is its best usable node, with the posture there.
+    /// Returns the spot of an operation (its best usable node) and the posture there.
     pub fn spot(&self, operation: usize) -> Option<(&NodeRecord, &PostureRecord)> {
         let node = self.maps[operation].best_node()?;
         Some((node, node.posture.as_ref()?))
     }
 
-    /// Returns the error figures at the spot of an operation in the sense with the name `sense`, m or rad.
+    /// Returns the error figures at the spot of an operation, m or rad. The figures belong to the sense
+    /// (error component) with the name `sense`.
     ///
     /// Returns None without a spot, or if the map does not report the sense.
     pub fn figures(&self, operation: usize, sense: &str) -> Option<&Figures> {
@@ -190,8 +191,9 @@ impl<'a> Assessment<'a> {
         self.spot(operation).map(|(_, posture)| &posture.figures[place])
     }
 
-    /// Returns the value of the reading at the spot of an operation in the sense with the name `sense`, mm or
-    /// degrees. If the quantity is the yield, returns the 95th percentile instead.
+    /// Returns the value that the reading gives at the spot of an operation, mm or degrees. The value belongs
+    /// to the sense (error component) with the name `sense`. If the quantity is the yield, returns the 95th
+    /// percentile instead.
     ///
     /// Returns None without a spot, or if the map does not report the sense.
     pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {

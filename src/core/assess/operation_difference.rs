@@ -137,7 +137,7 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
     let by = match more / less {
         ratio if ratio < 1.1 => format!("{:.1} % ", 100.0 * (more - less) / x),
         ratio if ratio < 100.0 => format!("{ratio:.1} times "),
-        // A ratio to a value near zero means nothing.
+        // A ratio has no meaning if the value in its denominator is near zero.
         _ => String::new(),
     };
     format!("{name}: {b} is {by}{verb} than {a} in {what} ({figures})")

@@ -51,8 +51,8 @@ pub struct PostureContext<'a> {
     pub frames: Frames,
     /// Upper bound of the value at the spot over all misplacements, m or rad.
     ///
-    /// The outer value is None if no certificate is demanded, or if the posture is not the posture at the
-    /// spot. The inner value is None if no bound is known.
+    /// The outer `Option` is None if no certificate is demanded, or if the posture is not the posture at the
+    /// spot. The inner `Option` is None if no bound is known.
     pub worst: Option<Option<f64>>,
 }
 

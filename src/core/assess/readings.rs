@@ -1,4 +1,5 @@
-//! Comparison of readings: the layout of the cell file under every reading and registration.
+//! Comparison of readings (interpretations of the error set): results for the layout of the cell file under
+//! every reading and registration.
 //!
 //! For each reading R, the comparison gives the spot that R chooses, and a regret. The signed spot is the
 //! spot that the signed reading chooses. The regret is the value at the signed spot divided by the least
@@ -33,17 +34,17 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value under the reading and registration of this row, at the posture of a second row. The second row
-    /// has the signed reading and the same registration.
+    /// Value, under the reading and registration of this row, at the posture of the signed spot. The signed
+    /// spot is the best node under the signed reading with the same registration.
     pub at_signed: Option<f64>,
-    /// Value under the reading and registration of this row, at the posture of a second row. The second row
-    /// has the same reading and no registration.
+    /// Value, under the reading and registration of this row, at the posture of the unregistered spot. The
+    /// unregistered spot is the best node under the same reading without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
 
 impl ReadingRow {
-    /// Returns the name of the figure that a search minimizes under this reading.
+    /// Returns the name of the value that a search minimizes under this reading.
     pub fn quantity_name(&self) -> &'static str {
         match self.reading {
             Reading::Signed => "error",
@@ -147,7 +148,8 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     ];
     let read =
         |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
-    // Each operation has its own table and no values are added, so senses may have different units.
+    // Each operation has its own table, and no values of operations are added. So a cell whose senses have
+    // different units can also be compared.
     let answers = |i: &Interpretation| cell.faults_of(i).iter().all(|f| matches!(f.about, About::Sense(_)));
     kinds.into_iter().map(read).filter(answers).collect()
 }
@@ -183,7 +185,7 @@ fn row(
     }
 }
 
-/// Returns a row without values for a reading that needs tolerances. This row applies if the errors are not
+/// Returns a row without values. It stands for a reading that needs tolerances, if the errors are not
 /// tolerances ([`Cell::errors_compensate`]).
 fn unanswered(interpretation: &Interpretation, operation: &Operation) -> ReadingRow {
     let Interpretation { reading, quantity, registration, .. } = *interpretation;

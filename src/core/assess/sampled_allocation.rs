@@ -1,4 +1,4 @@
-//! Monte Carlo check of an allocation: samples of the nonlinear model at the tolerances found.
+//! Monte Carlo check of an allocation: samples of the nonlinear model are drawn at the allocated tolerances.
 
 use super::SAMPLES;
 use super::allocation::{CellAllocation, NoAllocation};
@@ -9,7 +9,7 @@ use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
 /// Largest number of requirements that Monte Carlo samples check. The requirements nearest to their limits
 /// are checked.
 const MAX_SAMPLED: usize = 4;
-/// Monte Carlo check of one requirement at the tolerances found.
+/// Monte Carlo check of one requirement at the allocated tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledRequirement {
     pub requirement: usize,

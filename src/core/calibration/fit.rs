@@ -143,7 +143,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Changes the variances of the misfit by the fraction `share` of one step of Fisher's scoring method.
-    /// Returns the relative change of largest absolute value, with its sign.
+    /// Returns the signed relative change of the variance that changes most.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {

@@ -6,8 +6,8 @@ use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, SMatrix, SymmetricEigen, Vector3};
 
-/// A direction of the unknowns is ignored if it hardly displaces the tool at the task. The threshold is this
-/// share of the largest mean squared displacement.
+/// A direction in the space of the unknowns is ignored if it hardly displaces the tool at the task. The
+/// threshold is the largest mean squared displacement times this share.
 const NEGLIGIBLE: f64 = 1e-12;
 /// Number of unknowns of the pose of the base.
 const OF_BASE: usize = 6;

@@ -18,7 +18,7 @@ pub enum RawRotation {
     Angles([f64; 3]),
     /// Quaternion with its scalar part first.
     ScalarFirst([f64; 4]),
-    /// Quaternion with its scalar part first or last.
+    /// Quaternion whose scalar part is first or last; the file does not state which.
     Quaternion([f64; 4]),
     Matrix(Matrix3<f64>),
 }

@@ -15,8 +15,8 @@ pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
     DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
-/// Returns the changes of base and reflectors that best reproduce the displacements of each error (least
-/// squares). Each column of the result belongs to one error of the arm.
+/// Returns the changes of base and reflectors that best reproduce the displacements caused by each error
+/// (least squares). Each column of the result belongs to one error of the arm.
 ///
 /// Each entry of `columns` belongs to one position. Returns None if `columns` is empty, or if the Cholesky
 /// factorization of the normal matrix fails.

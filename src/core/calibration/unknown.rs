@@ -46,8 +46,9 @@ const SHORT_LEVER: f64 = 1.0 / 6.0;
 ///
 /// A revolute joint has an elastic term for each link that it carries and whose lever is long. A lever is
 /// long if it exceeds a sixth of the longest lever of the arm. The calibration also finds base and reflector
-/// of every session. Base and reflector replace the errors dq and dr of the first row and all errors of the
-/// last row.
+/// of every session. Base and reflector absorb some errors, which are therefore not unknowns. These are the
+/// errors dq and dr of a revolute first joint. All errors of the last row are absorbed too, except dq of a
+/// prismatic last joint.
 pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
     let last = chain.axes() - 1;
     let is_free = |parameter: &Parameter| match *parameter {

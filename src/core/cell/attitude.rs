@@ -49,7 +49,7 @@ pub enum Spin {
 pub struct Attitude {
     /// Elevation of the tool axis above the horizontal, rad; -pi/2 points down.
     ///
-    /// The seed paper calls this elevation the tool bending angle.
+    /// The [seed paper](crate) calls this elevation the tool bending angle.
     pub elevation: f64,
     pub azimuth: Azimuth,
     pub spin: Spin,

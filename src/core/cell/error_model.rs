@@ -134,8 +134,8 @@ pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
 
 /// Signed sample of the kinematic errors of a robot, with one value per parameter.
 ///
-/// The seed paper interprets its Tables 2 and 3 as such a sample. A sample is not a tolerance, because its
-/// signs are part of the data.
+/// The [seed paper](crate) interprets its Tables 2 and 3 as such a sample. A sample is not a tolerance,
+/// because its signs are part of the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignedErrors {
     pub name: String,

@@ -211,11 +211,11 @@ pub struct Operation {
     /// Weight of the operation in the objective.
     pub weight: f64,
     pub held: HeldPart,
-    /// Length of the straight approach along the tool axis to the spot, m; 0 means that no approach is
-    /// checked.
+    /// Length, m, of the straight approach along the tool axis to the spot (node where the operation
+    /// happens). The value 0 means that no approach is checked.
     pub approach: f64,
-    /// Length of the straight retract along the tool axis from the spot, m; 0 means that no retract is
-    /// checked.
+    /// Length, m, of the straight retract along the tool axis from the spot (node where the operation
+    /// happens). The value 0 means that no retract is checked.
     pub retract: f64,
     /// Time that the robot rests at the spot, or at every listed point, s.
     pub dwell: f64,

@@ -17,8 +17,8 @@ pub const MAX_PARAMETERS: usize = Parameter::count(MAX_JOINTS);
 /// Largest number of error parameters that can differ from 0 in one error set of a robot.
 pub const MAX_ERRORS: usize = Parameter::first_elastic(MAX_JOINTS);
 
-/// Actuator coordinates, rad (revolute) or m (prismatic), measured from the zero posture as in the seed
-/// paper.
+/// Actuator coordinates, rad (revolute) or m (prismatic), measured from the zero posture as in the
+/// [seed paper](crate).
 pub type JointVector = [f64; MAX_JOINTS];
 
 /// Kind of a joint.
@@ -51,8 +51,8 @@ impl Convention {
     }
 }
 
-/// Joint as a standard Denavit-Hartenberg row, eq. (1) of the seed paper: `A = Rz(theta) Tz(r) Tx(l)
-/// Rx(alpha)`.
+/// Joint as a standard Denavit-Hartenberg row, eq. (1) of the [seed paper](crate):
+/// `A = Rz(theta) Tz(r) Tx(l) Rx(alpha)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     pub name: String,

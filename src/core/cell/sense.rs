@@ -106,7 +106,7 @@ pub struct Sense {
 /// Names of the built-in senses, which exist in world, surface and tool axes.
 pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rotation"];
 
-/// Names of the seed paper's senses, in which error maps report every node.
+/// Names of the senses of the [seed paper](crate). Error maps report the error at every node in these senses.
 pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
 
 impl Sense {

@@ -201,8 +201,9 @@ impl JointEnclosure {
         let bend = theta(bend, f64::abs);
         let half: JointVector =
             std::array::from_fn(|j| first.iter().map(|steps| steps[j].abs()).sum::<f64>() + bend[j]);
-        // If the orientation is not controlled as a whole, the tool can rotate only about the vertical with
-        // the first joint. If a numeric solver controls the tool axis, the tool can rotate with every joint.
+        // If the task does not keep the whole orientation, there are two cases. If its rotation rows are sums
+        // of joint rates, only the first joint can rotate the tool, about the vertical. If its rotation rows
+        // are components of the angular velocity (numeric solver), every joint can rotate the tool.
         let tool_turn = match (posed.task.keeps_orientation, posed.task.rotation[0].0) {
             (true, _) if posed.task.radial => target.heading + target.yaw,
             (true, _) => 0.0,

@@ -77,8 +77,8 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box with the half width of the heading for a radial azimuth. The heading of a radial
-    /// azimuth is the horizontal direction from the base axis to the target.
+    /// Returns a copy of this box in which the half width of the heading is set for a radial azimuth. The
+    /// heading of a radial azimuth is the horizontal direction from the base axis to the target.
     ///
     /// `target` is the nominal position of the target in the base frame, m.
     ///

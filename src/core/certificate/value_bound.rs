@@ -14,10 +14,10 @@
 //! Let A be the sum of all rotations and D the sum of all displacements. Products of order k are at most
 //! `D A^(k-1) / (k-1)!`, so all products together are at most `D (e^A - 1)`.
 //!
-//! A percentile of a normal error is not convex. But a percentile grows with the covariance S (T. W.
-//! Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math.
-//! Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)`
-//! times the percentile at S_0.
+//! A percentile of a normally distributed error is not convex. But such a percentile grows with the
+//! covariance S (T. W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set",
+//! Proc. Amer. Math. Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most
+//! `sqrt(1 + e)` times the percentile at S_0.
 
 use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};
@@ -39,7 +39,7 @@ pub enum NoValueBound {
     Registered,
     /// The error is measured relative to another operation, which picks the held part.
     Relative,
-    /// The sense has rotations.
+    /// The sense (error component of the operation) includes rotations.
     Rotation,
     /// The sense is given in axes of the tool, and weights them unequally.
     ToolAxes,
@@ -80,12 +80,13 @@ pub struct ValueBound {
     motions: Vec<SourceMotion>,
     /// Largest factor by which the rows of the sense enlarge a displacement.
     gain: f64,
-    /// Whether the value stays the same if error and sense rotate relative to each other about the vertical.
+    /// Whether the value stays the same if the error rotates about the vertical relative to the axes of the
+    /// sense.
     is_isotropic: bool,
     /// Sum of the translational errors, m, and sum of the rotational errors, rad. Both sums are 0 for the
     /// linear model and for the statistical reading.
     totals: (f64, f64),
-    /// Distance from the TCP to the point whose error counts, m.
+    /// Distance from the TCP to the point whose error the sense measures, m.
     point: f64,
     /// Whether the value is a nonlinear worst case. The bound is then the linear worst case plus the largest
     /// products of two and more errors.

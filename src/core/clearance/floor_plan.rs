@@ -12,7 +12,8 @@ use crate::cell::{
 };
 use crate::geometry::PlanePoint;
 
-/// Shortest way to separate two floor spaces in plan: move `a` along `direction` (unit) by `depth` (m).
+/// Shortest way to separate two floor spaces in plan: move equipment `a` along `direction` (unit) by `depth`
+/// (m).
 ///
 /// `depth` is negative if the floor spaces are already apart. `b` is None for the robot base, a keep-out box
 /// or an edge of the fence.
@@ -107,7 +108,8 @@ impl EquipmentFootprint {
 /// Floor spaces of a cell, prepared once for all layouts.
 ///
 /// [`Self::with_tolerances`] adds the distance by which misplacements may bring floor spaces closer together.
-/// A layout without an overlap in such a plan has no overlap at any misplacement.
+/// A layout without an overlap in such a plan has no overlap at any misplacement within the placement
+/// tolerances.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,
     /// For each piece of equipment, the index of the equipment on which it stands, if any.

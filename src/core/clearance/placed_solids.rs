@@ -51,7 +51,7 @@ pub(super) struct PlacedSolid {
 /// All solids of one piece of equipment, ready for collision checking.
 pub(super) struct EquipmentSolids {
     pub(super) parts: Vec<EquipmentSolid>,
-    /// Placement in the cell file, where obstacles always stand.
+    /// Placement in the cell file; an obstacle always has this placement.
     pub(super) drawn: Placement,
     /// Solids posed at `drawn`.
     pub(super) posed: Vec<PlacedSolid>,

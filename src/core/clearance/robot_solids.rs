@@ -29,8 +29,8 @@ pub(super) struct RobotSolid {
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of a solid with several convex parts. None for other solids. The mesh serves to test
-    /// whether another solid lies wholly inside the mesh.
+    /// Closed mesh of a solid with several convex parts; None for other solids. The mesh serves to test
+    /// whether another solid lies wholly inside it.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
@@ -63,8 +63,8 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
 /// Returns the pedestal for the highest base position that the cell allows; None if no pedestal is needed.
 ///
 /// This pedestal also serves every lower base position. The lower end is then below the floor, where nothing
-/// collides. The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal
-/// against equipment.
+/// collides. The arm must keep the clearance from the sides of the pedestal. The floor plan checks the
+/// pedestal against equipment.
 fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
     let (section, height) = cell.highest_pedestal()?;
     let (centre, size) = (section.centre, section.size);

@@ -124,7 +124,7 @@ impl Scene {
         outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(whole, frames, &capsules, operation))
     }
 
-    /// Returns whether [`Self::hit`] finds no contact. `memory` speeds up a series of postures.
+    /// Returns whether [`Self::hit`] finds no contact. `memory` speeds up the checks of a series of postures.
     pub fn is_free(
         &self,
         placed: &PlacedSolids,

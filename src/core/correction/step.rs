@@ -1,5 +1,5 @@
-//! One Newton step: first the position, then the orientation. The second part is in the null space of the
-//! position rows of the Jacobian.
+//! One Newton step: first the joint changes for the position, then those for the orientation. The latter are
+//! in the null space of the position rows of the Jacobian.
 
 use crate::pose::Displacement;
 use nalgebra::{DMatrix, DVector};
@@ -23,7 +23,8 @@ pub fn step(columns: &[Displacement], wanted: &Displacement) -> Vec<f64> {
     let free = DMatrix::identity(n, n) - &inverse * &position;
     let left = turn - &rotation * &first;
     let second = inverted(&(&rotation * &free)) * left;
-    // The product with `free` removes the part that would move the position because of rounding.
+    // Because of rounding, `second` may contain a part that moves the position. The product with `free`
+    // removes this part.
     (first + &free * second).iter().copied().collect()
 }
 
@@ -31,7 +32,7 @@ fn vector(values: &[f64]) -> DVector<f64> {
     DVector::from_row_slice(values)
 }
 
-/// Returns the pseudo-inverse of a matrix, which ignores singular directions.
+/// Returns the pseudo-inverse of a matrix. Singular directions are ignored.
 ///
 /// A direction is singular if its singular value is below [`LOST`] times the Frobenius norm of the matrix.
 fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {

@@ -69,7 +69,8 @@ impl SampleLimits {
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;
-        // A lower and an upper bound of u are consistent from x = 0 up to `x = room / rise`.
+        // A lower and an upper bound of u are consistent if `rise x <= room`. If `rise` is positive, x is at
+        // most `room / rise`.
         let mut limit = |rise: f64, room: f64| {
             if rise > 0.0 {
                 most = most.min(room / rise);

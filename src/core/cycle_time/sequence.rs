@@ -18,7 +18,7 @@ pub enum CyclePhase {
     Retract,
     /// Collision-free move to the next operation.
     Transfer,
-    /// Direct move to the next operation, which is not checked for collision.
+    /// Direct move to the next operation; the move is not checked for collision.
     DirectMove,
 }
 
@@ -79,7 +79,8 @@ impl MotionSequence<'_> {
         let Self { cell, chain, stops, transfers, .. } = *self;
         let mut steps = Vec::with_capacity(4 * stops.len());
         let is_cycle = transfers.len() == stops.len() && stops.len() > 1;
-        // Joint vectors at the spots, including the whole revolutions with which the robot arrives.
+        // Joint vectors at the spots. They include the whole revolutions that joints have made on the way to
+        // a spot.
         let mut joints: Vec<JointVector> = Vec::with_capacity(stops.len());
         for (k, stop) in stops.iter().enumerate() {
             let arrival = match (k.checked_sub(1), joints.last()) {

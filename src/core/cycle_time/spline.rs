@@ -44,7 +44,8 @@ impl JointSpline {
     }
 }
 
-/// Returns the second derivatives at the joint vectors, which solve a tridiagonal system of equations.
+/// Returns the second derivatives at the joint vectors. These derivatives solve a tridiagonal system of
+/// equations.
 fn second_derivatives(at: &[f64], values: &[JointVector]) -> Vec<JointVector> {
     let count = at.len();
     let mut second = vec![[0.0; MAX_JOINTS]; count];

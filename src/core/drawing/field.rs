@@ -7,7 +7,7 @@ use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Model and reading under which errors are shown.
+/// Error model and reading (interpretation of the errors) under which errors are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ErrorView {
     pub model: Model,
@@ -17,7 +17,7 @@ pub struct ErrorView {
 }
 
 impl ErrorView {
-    /// Returns the model, reading and quantity of the cell.
+    /// Returns the error model, the reading and the quantity that the cell states.
     pub fn of(cell: &Cell) -> Self {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
     }
@@ -34,7 +34,7 @@ impl ErrorView {
         self.reading == Reading::Signed
     }
 
-    /// Returns the name of the figure that this reading shows: signed sample, worst case, p95 and others.
+    /// Returns the name of the value that this reading gives: signed sample, worst case, p95 and others.
     pub fn reading_word(&self) -> &'static str {
         match (self.reading, self.quantity) {
             (Reading::Signed, _) => "signed sample",
@@ -97,10 +97,11 @@ pub struct ViewedErrors {
     /// Error vector of the TCP at each node, in the world frame, m.
     ///
     /// In the signed reading, the vector is the error of the signed sample. In the other readings, the vector
-    /// is the error at one corner of the tolerance box. This corner is the worst corner in the operation's
-    /// sense.
+    /// is the error at one corner of the tolerance box. At this corner, the error component that matters to
+    /// the operation (its sense) is largest.
     pub error: Vec<Option<Vector3<f64>>>,
-    /// Figures of the reading, m or rad: one list per sense, with one entry per node.
+    /// Values that the reading gives, m or rad: one list per sense (error component), with one entry per
+    /// node.
     pub values: Vec<Vec<Option<f64>>>,
     /// Spot under this model and reading, as an index into [`Field::nodes`].
     ///

@@ -25,8 +25,8 @@ pub struct Mesh {
 
 impl Mesh {
     /// Returns the surface of a solid in the frame of its carrier. The argument `floor` is the height of the
-    /// floor in that frame. It is the lower end of a solid of the kind [`Shape::Leg`], which stands on the
-    /// floor.
+    /// floor in that frame. A solid of the kind [`Shape::Leg`] stands on the floor, so its lower end is at
+    /// this height.
     pub fn of(shape: &Shape, floor: f64) -> Self {
         let (vertices, triangles) = match shape {
             Shape::Box { pose, size } => cuboid(pose, size),

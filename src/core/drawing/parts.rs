@@ -159,8 +159,8 @@ fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     };
     bar(0, Vector3::zeros(), chain.mount.translation);
     for (i, link) in chain.links.iter().enumerate() {
-        // `back` undoes the twist of D-H row i. Before the twist, the row moves along z by r, then along x
-        // by l.
+        // `back` undoes the twist of D-H row i. Before its twist, the row translates along z by r, then along
+        // x by l.
         let back = |p: Vector3<f64>| {
             let (sin, cos) = (link.sin_alpha, link.cos_alpha);
             Vector3::new(p.x, cos * p.y + sin * p.z, cos * p.z - sin * p.y)

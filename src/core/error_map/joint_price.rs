@@ -11,8 +11,8 @@ impl PlacedLayout<'_> {
     /// Returns the cost of the cheapest tolerances with which every operation stays within its limit at its
     /// spot. An operation that happens at every node must stay within its limit at all nodes.
     ///
-    /// Returns None if the cell does not price tolerances, if an operation has no limit, or if a posture is
-    /// not found.
+    /// Returns None if the search ignores the cost of tolerances, if an operation has no limit, or if a
+    /// posture is not found.
     pub fn joint_price(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<f64> {
         let figures = self.joint_figures(spots, workspace)?;
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))

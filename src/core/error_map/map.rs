@@ -61,7 +61,8 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
-    /// Replaces postures of the map by the postures of the spots in `chosen`, each at its own node.
+    /// Replaces the posture that the map shows at the node of each spot in `chosen` by the posture of this
+    /// spot.
     ///
     /// The certified posture of a node need not be its least-error posture.
     pub fn show(&self, map: &mut OperationMap, spots: &[Option<Spot>], chosen: &[Spot]) {
@@ -114,8 +115,8 @@ impl OperationQuery<'_> {
         MapMemory { postures, candidates }: &mut MapMemory,
     ) -> NodeRecord {
         candidates.clear();
-        // The search for the cheapest tolerances does not compute the value of every unusable posture, which a
-        // map shows.
+        // A map also shows values of unusable postures. The search for the cheapest tolerances does not
+        // compute all of these values.
         let missed = match self.setup.is_priced {
             true => self.collected::<false>((node, target), candidates, postures),
             false => self.collected::<true>((node, target), candidates, postures),

@@ -25,8 +25,8 @@ pub struct Mapper {
     pub(super) guard: Option<Guard>,
     /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
-    /// Value fields of each operation, one for each of its ranges of height, once they are known. The list of
-    /// an operation without fields is empty.
+    /// Value fields of each operation: one field for each range of heights of the operation. Nothing is
+    /// stored until the fields are known. The list of an operation without fields is empty.
     fields: OnceLock<Vec<Vec<ValueField>>>,
     /// Whether the search skips postures whose lower bound exceeds the best value found.
     pub(super) ranks: bool,
@@ -76,7 +76,7 @@ impl Mapper {
         Ok(Self { arm, scene, setups, guard, rankers, fields, ranks: true, shells, tolerances })
     }
 
-    /// Returns the cost of the tightest tolerances; 0 if the cell does not price tolerances.
+    /// Returns the cost of the tightest tolerances; 0 if the search ignores the cost of tolerances.
     pub fn most_cost(&self) -> f64 {
         self.tolerances.as_ref().map_or(0.0, |tolerances| tolerances.most())
     }

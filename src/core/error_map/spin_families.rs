@@ -112,14 +112,15 @@ impl OperationQuery<'_> {
     /// sharpened.
     ///
     /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
-    /// the spot. The search also does not need it as first candidate ([`FirstFree::nearest`]), which is
-    /// already known.
+    /// the spot. The search does not need it as the first candidate ([`FirstFree::nearest`]) either, because
+    /// that candidate is already known.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
         let SpinFamily { node, branch, first, target, .. } = *family;
         if let Some(member) = family.as_candidate().filter(|_| queue.is_nearest_known) {
-            // A posture that collides needs no value, which costs much more than the check.
+            // A posture that collides needs no value. Computing a value takes much longer than checking for
+            // collisions.
             let is_dear = matches!(member.certainty, Certainty::Bound | Certainty::SharpBound);
             if is_dear && !self.is_free(&member, memory) {
                 return;

@@ -12,8 +12,8 @@ const SLACK: f64 = 1e-6;
 /// Table of lower bounds of the value at a node, over the height of the node and its distance from the base
 /// axis (radius).
 ///
-/// The table holds for every layout in which the height of the operation lies in its range of heights, and the
-/// elevation of the tool axis in its range of elevations.
+/// The table holds for every layout in which two quantities lie in the ranges of the table. These quantities
+/// are the height of the operation and the elevation of the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueField {
     /// Range of the elevation that the operation asks of the tool axis, rad.
@@ -41,12 +41,12 @@ impl Ticks {
         Self { low, high, count, density: count as f64 / (high - low).max(SLACK) }
     }
 
-    /// Returns the cell of a number; None if the number lies outside the range.
+    /// Returns the index of the cell that contains a number; None if the number lies outside the range.
     fn cell(&self, at: f64) -> Option<usize> {
         (at >= self.low && at <= self.high).then(|| self.nearest(at))
     }
 
-    /// Returns the cell that is nearest to a number.
+    /// Returns the index of the cell that is nearest to a number.
     fn nearest(&self, at: f64) -> usize {
         (((at - self.low) * self.density) as usize).min(self.count - 1)
     }

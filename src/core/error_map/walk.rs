@@ -37,7 +37,7 @@ pub struct OperationQuery<'a> {
     pub kept: Option<HeldPosture>,
 }
 
-/// Visitor that receives the postures of a walk.
+/// Visitor that receives the postures that [`OperationQuery::walk`] judges at the nodes.
 pub trait PostureVisitor {
     /// Whether the nodes that the robot touches to teach the frame are also judged. Such a node cannot be
     /// the spot.

@@ -1,7 +1,8 @@
 //! Kinematic error (section 2 of the seed paper): from parameter errors to the error of the TCP.
 //!
-//! Every model uses the same description of the chain: its [`Frames`] at a posture. A parameter error is a
-//! small rotation about an axis of one of these frames, or a small translation along such an axis:
+//! The seed paper is the journal paper from which this project grew. Every model uses the same description of
+//! the chain: its [`Frames`] at a posture. A parameter error is a small rotation about an axis of one of
+//! these frames, or a small translation along such an axis:
 //!
 //! - dtheta is a rotation about the z axis before the link, and dr is a translation along that axis;
 //! - dl is a translation along the x axis after the link, and dalpha is a rotation about that axis;

@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Frames, PeriodicDeflection, STANDARD_GRAVITY};
 use nalgebra::Vector3;
 
-/// Small motion at one place in the chain, which moves all parts from this place to the tool.
+/// Small motion at one place in the chain. The motion moves all parts from this place to the tool.
 ///
 /// Axis and point are given at the reference posture, in the base frame.
 #[derive(Debug, Clone, Copy)]

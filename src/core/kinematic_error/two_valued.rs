@@ -1,8 +1,9 @@
 //! Nonlinear position error of samples in which every parameter error has one of two values.
 //!
-//! The corners of a tolerance box are such samples. The small motions of both values are computed once. The
-//! displacements from the tool back to the base are kept, so that a sample repeats only the part of the walk
-//! after the first motion that differs from the last sample.
+//! The corners of a tolerance box are such samples. The small motions of both values are computed once. A
+//! walk from the tool back to the base adds up the displacements that the motions cause. The walk keeps the
+//! position error before each motion. For the next sample, the walk starts again at the first motion that
+//! differs from the last sample.
 
 use super::perturbation::Turn;
 use crate::cell::{JointKind, PER_FRAME, PER_LINK, Parameter};
@@ -56,7 +57,8 @@ enum WalkMotion {
     Slide(Vec<SlidePart>),
 }
 
-/// Walk from the tool back to the base through the small motions of a chain.
+/// Position error of a chain, computed by a walk through its small motions from the tool back to the base.
+/// Every parameter error has one of two values.
 #[derive(Debug, Clone)]
 pub struct TwoValuedWalk {
     frames: Vec<WalkFrame>,
@@ -127,7 +129,7 @@ impl TwoValuedWalk {
         Some(walk)
     }
 
-    /// Returns the index of a frame, which is added to the list of frames.
+    /// Adds a frame to the list of frames, and returns the index of this frame.
     fn frame(&mut self, frame: WalkFrame) -> usize {
         self.frames.push(frame);
         self.frames.len() - 1

@@ -1,4 +1,4 @@
-//! Reasons that end the region of a held layout.
+//! Reasons that limit the region of a piece in a held layout.
 
 use crate::cell::{Cell, Unit};
 use crate::certificate::NotCertified;

@@ -19,7 +19,7 @@ struct WorkingPostures<'a> {
     found: Vec<Option<Spot>>,
     /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
-    /// Index of the operation and joint coordinates, for every node at which an operation happens.
+    /// Joint coordinates at every node at which an operation happens, each with the index of the operation.
     postures: Vec<(usize, JointVector)>,
 }
 
@@ -45,7 +45,7 @@ impl Workcell {
     /// - time: the least time (s) of the motions and operations ([`crate::cycle_time`]). The time is NaN if
     ///   the maximum speed of a joint is not known, or if the arm cannot follow an approach or a retract.
     /// - cost: the cost of the cheapest tolerances with which every operation stays within its limit at its
-    ///   spot. The cost is NaN if the search does not price tolerances.
+    ///   spot. The cost is NaN if the search ignores the cost of tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;

@@ -24,8 +24,8 @@ pub struct HeldLayout<'a> {
     held: HeldSpots,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Values of the operations in the layout, computed when they are first needed; None inside if they cannot
-    /// be computed.
+    /// Values of the operations in the layout, computed when they are first needed. The inner option is None
+    /// if they cannot be computed.
     own: OnceLock<Option<Vec<OperationValue>>>,
 }
 

@@ -96,8 +96,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the [`WorkContext`] of an operation, and the link frames of a posture from its map. The errors
-    /// of this posture are computed from both.
+    /// Returns the [`WorkContext`] of an operation, and the link frames of a posture in the map of this
+    /// operation. The errors of this posture are computed from both.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

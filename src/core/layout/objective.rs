@@ -9,7 +9,7 @@ use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 /// Such a layout ranks after every layout that is within its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Greatest excess over a limit that a penalty counts, m or rad. For a cost of tolerances, the excess is a
+/// Greatest excess over a limit that adds to a penalty, m or rad. For a cost of tolerances, the excess is a
 /// share of the cost of the tightest tolerances. An infinite value, which means that no bound is known,
 /// counts with this excess.
 const UNKNOWN_EXCESS: f64 = 10.0;
@@ -39,7 +39,7 @@ impl Workcell {
         }
     }
 
-    /// Returns the cost of the tightest tolerances; 0 if the search does not price tolerances.
+    /// Returns the cost of the tightest tolerances; 0 if the search ignores the cost of tolerances.
     pub fn tightest_cost(&self) -> f64 {
         self.mapper.most_cost()
     }

@@ -18,11 +18,11 @@
 //!   tolerance box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor
 //!   spaces overlap, the posture is usable and the value is within its limit. A multiple of the box is
 //!   checked at its corners, and at the middles of its edges and facets. A facet of a box with n dimensions
-//!   has n - 1 dimensions. A displacement is checked in 16
-//!   directions, and a yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails.
-//!   Bisection finds the size at which this check ends. If another check fails at this size, bisection is
-//!   repeated for that check. A failure that occurs only between two checked sizes is missed. A certified
-//!   operation needs no check up to the tolerances themselves ([`crate::certificate`]).
+//!   has n - 1 dimensions. A displacement is checked in 16 directions, and a yaw in both directions. Each
+//!   size grows by the factor [`STRIDE`] until a check fails. Bisection finds the size up to which this check
+//!   succeeds. If another check fails at this size, bisection is repeated for that check. A failure that
+//!   occurs only between two checked sizes is missed. A certified operation needs no check up to the
+//!   tolerances themselves ([`crate::certificate`]).
 
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -145,7 +145,8 @@ struct HeldOperation<'a> {
     /// Spots of all operations.
     spots: Vec<Option<Spot>>,
     limit: Option<f64>,
-    /// Whether the operation is certified at every misplacement within the tolerances, with its limit.
+    /// Whether the operation certainly works and stays within its limit at every misplacement within the
+    /// tolerances.
     is_certified: bool,
 }
 
@@ -292,7 +293,7 @@ impl HeldOperation<'_> {
     /// Returns the index of the first misplacement that is not allowed, and the reason; None if all are
     /// allowed. The checked misplacements are those in `unit`, multiplied by `size`.
     fn first_end(&self, unit: &[Moves], size: f64) -> Option<(usize, MisplacementEnd)> {
-        // Without a limit, only the postures count.
+        // Without a limit, the function checks only whether the postures can be used.
         let ask: AskHeld = match self.limit {
             Some(_) => |probe, held| probe.holding(held),
             None => |probe, held| probe.keeps_free(held).map(|()| 0.0),

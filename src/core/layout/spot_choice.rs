@@ -172,7 +172,7 @@ impl SpotValue {
     }
 }
 
-/// Judge of the certified spots of one operation, which bounds their values.
+/// Judge of the certified spots of one operation. The judge bounds the values of these spots.
 pub struct Judge<'a, 'm> {
     query: &'a SpotQuery<'a>,
     demand: Demand<'a>,

@@ -116,8 +116,8 @@ impl Workcell {
         self.mapper.is_ranked()
     }
 
-    /// Returns every pair of robot solids that the robot can carry at the same time. The robot carries a held
-    /// part only during its operation. Each pair states whether a contact is allowed, and why.
+    /// Returns every pair of robot solids that can be present at the same time. A held part is present only
+    /// during its operation. Each pair states whether a contact is allowed, and why.
     ///
     /// If self-collision is not checked, the list has only pairs with the pedestal.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {

@@ -203,7 +203,7 @@ impl Guard {
         }
         corners.extend([path.len(), path.len() + last.len() - 1]);
         path.extend(last);
-        // Without a lift, the line at an end has no length.
+        // Without a lift, the line at an end of the path has no length, and its two corners coincide.
         corners.dedup();
         Ok((path, corners))
     }

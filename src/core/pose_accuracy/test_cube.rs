@@ -114,7 +114,8 @@ impl CubeSearch<'_> {
         elevations.iter().flat_map(|elevation| held(*elevation)).chain(free).collect()
     }
 
-    /// Returns whether the inverse kinematics is numeric, which takes about a millisecond for each point.
+    /// Returns whether the inverse kinematics is numeric. A numeric solution takes about a millisecond for
+    /// each point.
     fn is_numeric(&self) -> bool {
         self.inverse.cost() == Cost::Numeric
     }

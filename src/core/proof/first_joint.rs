@@ -6,10 +6,10 @@
 //! directions rotate relative to the link after the joint. Let an error with the variance v translate the arm
 //! along a horizontal direction u, or rotate it about u. The contribution of this error to the bound of the
 //! squared statistic is `v u . M(p) u`. The matrix M depends on the position p of the measured point. Two
-//! errors are of one kind if both are translations, or rotations about axes through the same point. Two
-//! errors of one kind with the variance v in perpendicular directions together contribute `v tr M`. This sum
-//! does not depend on the choice of the two directions. The bound therefore splits the variances of each kind
-//! of error into two parts: an isotropic part, and an excess in one direction.
+//! errors are of one kind if both are translations, or both are rotations about axes through the same point.
+//! Two errors of one kind with the variance v in perpendicular directions together contribute `v tr M`. This
+//! sum does not depend on the choice of the two directions. The bound therefore splits the variances of each
+//! kind of error into two parts: an isotropic part, and an excess in one direction.
 //!
 //! An excess with the variance v contributes at least v times the least eigenvalue of M to the bound. Let the
 //! rows of the sense be horizontal. The bound of the squared statistic is then `<A, S>` with a horizontal

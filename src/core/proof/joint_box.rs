@@ -10,8 +10,7 @@ use crate::kinematic_error::{JointValues, PosedScrews};
 use nalgebra::{Matrix4, Vector4};
 use std::cmp::Ordering;
 
-/// Share of the length of a side of a box that remains after a contraction pass. If a side shrinks below
-/// this share, another contraction pass follows.
+/// Another contraction pass follows if a pass shrinks a side of the box below this share of its length.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
@@ -31,8 +30,8 @@ pub(super) struct JointBox {
 /// Box contracted by the constraints, with Taylor models about its centre.
 pub(super) struct ContractedBox {
     pub part: JointBox,
-    /// Centre about which the constraints were expanded, and half widths of the box before its last
-    /// contraction.
+    /// Centre about which the constraints were expanded. The field `radii` holds the half widths of the box
+    /// before its last contraction.
     centre: JointValues,
     pub radii: JointValues,
     /// Nominal chain at the centre.
@@ -128,7 +127,7 @@ impl ContractedBox {
         }
     }
 
-    /// Bounds the value in the box. Also returns the model of the value at the centre, m or rad.
+    /// Bounds the value in the box. Also returns the value of its Taylor model at the centre, m or rad.
     pub fn bounded(self, task: &Task<'_>) -> (JointBox, f64) {
         let taylor = task.worth(&self.centre, &self.placed, &self.radii);
         let value = taylor.as_ref().map_or(0.0, |taylor| taylor.value);
@@ -214,9 +213,10 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    // The coordinate to bisect is chosen from the value relaxed by the thin constraints alone, plus the
-    // curvature of all crossed constraints. A wide constraint could cancel the slope of the value, although
-    // the value varies over the width of this constraint.
+    // The coordinate to bisect is chosen from the Lagrangian with the thin constraints alone. The curvature
+    // of all crossed constraints is added to its remainder. The slopes of wide constraints are left out. Such
+    // a slope could cancel the slope of the value, although the value varies over the width of the
+    // constraint.
     let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
     for (k, set) in sets.iter().enumerate().filter(|(_, set)| !set.is_empty()) {

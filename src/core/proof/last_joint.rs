@@ -7,13 +7,14 @@
 //! contribution of these effects over all rotations, in closed form.
 //!
 //! Statistical reading: let C be the covariance of the TCP that the errors after the joint cause at one
-//! angle. C has the variances `c_1 >= c_2` across the tool axis, and `m` along it. The squared statistic of
-//! the whole covariance S is at least `<A, S>` with a positive semidefinite matrix A (see `value_bound`).
-//! Here `<A, S>` is the sum of the products of corresponding entries. Let `a_1 >= a_2` be the eigenvalues of
-//! A across the tool axis. Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about
-//! the axis (J. von Neumann's trace inequality). The tangent `<A, S>` bounds the squared statistic at every
-//! rotation only if this square is convex in the covariance. The square of the mean is not convex. The bound
-//! of the mean therefore needs the coordinate of the last joint.
+//! angle. C has the principal variances `c_1 >= c_2` perpendicular to the tool axis, and the variance `m`
+//! along it. The squared statistic of the whole covariance S is at least `<A, S>` with a positive
+//! semidefinite matrix A (see `value_bound`). Here `<A, S>` is the sum of the products of corresponding
+//! entries. Let `a_1 >= a_2` be the eigenvalues of A, restricted to the plane perpendicular to the tool axis.
+//! Then `<A, R C R^T> >= a_1 c_2 + a_2 c_1 + m a . A a` for every rotation R about the axis (J. von Neumann's
+//! trace inequality). The tangent `<A, S>` bounds the squared statistic at every rotation only if this square
+//! is convex in the covariance. The square of the mean is not convex. The bound of the mean therefore needs
+//! the coordinate of the last joint.
 //!
 //! Worst case: let each error k after the joint move the TCP by up to `w_k g_k`. Let R be a rotation of the
 //! tool. At the worst corner, these errors move the TCP by `sum_k w_k |d . R g_k|` in the direction d. As a
@@ -31,7 +32,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Errors after a last joint that only rotates the tool about its axis.
 #[derive(Debug, Clone)]
 pub(super) struct LastJoint {
-    /// Displacement of the TCP across the tool axis that each error causes, in axes that rotate with the
+    /// TCP displacement perpendicular to the tool axis that each error causes, in axes that rotate with the
     /// tool, m.
     ///
     /// In the statistical reading, each error has the size of one standard deviation. In the worst case, it
@@ -39,7 +40,7 @@ pub(super) struct LastJoint {
     across: Vec<Vector2<f64>>,
     /// Displacement of the TCP along the tool axis that each error causes, m.
     along: Vec<f64>,
-    /// Variances across the tool axis, the greater one first, m^2.
+    /// Principal variances of the TCP perpendicular to the tool axis, the greater one first, m^2.
     variances: (f64, f64),
 }
 
@@ -90,7 +91,8 @@ impl LastJoint {
             Reading::WorstCase => Some(sources.list[source].plus_minus),
             // The square of the mean is not convex in the covariance.
             Reading::Statistical if evaluator.quantity == Quantity::Mean => None,
-            // A correlated error cannot be taken alone.
+            // A correlated error is not independent of the other errors, so its variance cannot be added
+            // separately.
             Reading::Statistical => {
                 sources.list[source].spread.is_some().then_some(sources.list[source].deviation)
             }
@@ -121,13 +123,13 @@ impl LastJoint {
     }
 
     /// Returns a covariance of the TCP (m^2, base frame) that stands for the errors after the joint. The
-    /// bound of a percentile is expanded at the sum of this covariance and `others`.
+    /// tangent that bounds a percentile is taken at the sum of this covariance and `others`.
     ///
     /// `others` is the covariance that all other errors cause. The covariance that the errors after the joint
     /// cause depends on the rotation of the tool about its axis. The result is a weighted average of this
-    /// covariance over such rotations. The weights make the sum with `others` as isotropic as possible across
-    /// the tool axis. Under the assumption of `value_bound`, an isotropic covariance gives the least
-    /// percentiles for a given trace.
+    /// covariance over such rotations. The weights make the sum with `others` as isotropic as possible
+    /// perpendicular to the tool axis. Under the convexity assumption of the module `value_bound`, an
+    /// isotropic covariance gives the least percentiles for a given trace.
     pub fn covariance(&self, others: &Matrix3<f64>, tool: &ToolAxisRange) -> Matrix3<f64> {
         let frame = across(&tool.axis);
         let eigen = within(others, &frame).symmetric_eigen();
@@ -145,9 +147,10 @@ impl LastJoint {
             + tool.axis * tool.axis.transpose() * self.along_squared()
     }
 
-    /// Returns a lower bound of `<form, C>` for a positive semidefinite `form`. C is the covariance of the
-    /// TCP that the errors after the joint cause. The bound holds for every rotation of the tool about its
-    /// axis, and for every axis direction in `tool`.
+    /// Returns a lower bound of `<form, C>`, the sum of the products of corresponding entries. The matrix
+    /// `form` must be positive semidefinite. C is the covariance of the TCP that the errors after the joint
+    /// cause. The bound holds for every rotation of the tool about its axis, and for every axis direction in
+    /// `tool`.
     pub fn least_form(&self, form: &Matrix3<f64>, tool: &ToolAxisRange) -> f64 {
         let eigen = within(form, &across(&tool.axis)).symmetric_eigenvalues();
         let (most, least) = self.variances;
@@ -162,9 +165,9 @@ impl LastJoint {
         self.along.iter().map(|a| a * a).sum()
     }
 
-    /// Returns a lower bound of the greatest `d . e`. The vector e is the TCP displacement that the errors
-    /// after the joint cause. The bound holds for every rotation of the tool about its axis, and for every
-    /// axis direction in `tool`.
+    /// Returns a lower bound of the greatest `d . e` over all errors within their tolerances. The vector e is
+    /// the TCP displacement that the errors after the joint cause. The bound holds for every rotation of the
+    /// tool about its axis, and for every axis direction in `tool`.
     pub fn least_width(&self, d: &Vector3<f64>, tool: &ToolAxisRange) -> f64 {
         let level = (d - tool.axis * tool.axis.dot(d)).norm();
         let width = |zero: &Vector2<f64>| -> f64 {

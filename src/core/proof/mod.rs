@@ -5,14 +5,15 @@
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits.
 //!
-//! The search divides the ranges of the joint coordinates into boxes. The first and the last joint may need
-//! no coordinate in these boxes. The errors after the first joint act in directions that rotate with this
-//! joint. If the axis of this joint is vertical, its angle therefore matters only for senses that distinguish
-//! horizontal directions. Errors before the first joint may act in horizontal directions. The bound replaces
-//! such errors by isotropic errors, or omits them. The last joint also needs no coordinate if its axis is the
-//! tool axis and passes through the measured point. The bound then uses the least contribution of the errors
-//! after this joint, over all rotations of the tool. For some signed samples, the first joint, the last joint
-//! or both joints need a coordinate. Some errors in the other readings also require these coordinates.
+//! The search divides the ranges of the joint coordinates into boxes. In many cases, these boxes need no
+//! coordinate of the first or the last joint. The errors after the first joint act in directions that rotate
+//! with this joint. If the axis of this joint is vertical, its angle therefore matters only for senses that
+//! distinguish horizontal directions. Errors before the first joint may act in horizontal directions. The
+//! bound replaces such errors by isotropic errors, or omits them. The last joint also needs no coordinate if
+//! its axis is the tool axis and passes through the measured point. The bound then uses the least
+//! contribution of the errors after this joint, over all rotations of the tool. For some signed samples, the
+//! first joint, the last joint or both joints need a coordinate. Some errors in the other readings also
+//! require these coordinates.
 //!
 //! Branch and bound over the remaining coordinates reduces the gap between the lower bound and the least
 //! value found. The module has the following files:
@@ -94,18 +95,18 @@ pub enum WhyNot {
     /// The operation places a part, and its error is relative to the error of the operation that picks the
     /// part.
     Relative,
-    /// A registration removes part of the error.
+    /// A [registration](crate::cell::Registration) removes part of the error.
     Registered,
     /// Signed errors of the equipment may cancel the errors of the robot.
     EquipmentErrors,
-    /// The sense is stated in the axes of the tool.
+    /// The [sense](crate::cell::Sense) is stated in the axes of the tool.
     ToolAxes,
-    /// The sense is stated in the axes of a surface that can rotate.
+    /// The [sense](crate::cell::Sense) is stated in the axes of a surface that can rotate.
     SurfaceAxes,
-    /// The sense is stated in the axes of the world, and the robot base can rotate.
+    /// The [sense](crate::cell::Sense) is stated in the axes of the world, and the robot base can rotate.
     WorldAxes,
-    /// The sense includes rotations. Rotations have a bound only with the linear model or in the
-    /// statistical reading.
+    /// The [sense](crate::cell::Sense) includes rotations. Rotations have a bound only with the linear model
+    /// or in the statistical reading.
     Rotation,
     /// A parameter is not normally distributed, and the quantity is not the RMS.
     NotNormal,
@@ -119,8 +120,8 @@ pub enum WhyNot {
     Boxes,
     /// The errors vary about means that are not 0, and the model of their worst case is not linear.
     Mean,
-    /// Monte Carlo samples show that the first-order value of the operation is wrong. The bound applies to
-    /// this value.
+    /// Monte Carlo samples show that the first-order value of the operation is wrong. The bound applies only
+    /// to this first-order value.
     Refuted,
 }
 
@@ -217,7 +218,7 @@ impl Proof {
     }
 
     /// Returns this proof without the bounds of the operations for which `is_refuted` returns true. The
-    /// argument of `is_refuted` is the index of an operation. The result is true if Monte Carlo samples show
+    /// closure `is_refuted` receives the index of an operation. It returns true if Monte Carlo samples show
     /// that the first-order value of this operation is wrong.
     ///
     /// The bounds apply to first-order values, and say nothing about values computed from samples.

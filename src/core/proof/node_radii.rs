@@ -1,11 +1,11 @@
 //! Bound of an operation that happens at every node: the nodes have different distances from the base axis.
 //!
-//! Consider the least value of a single node over all postures with a given height and radius. This value is
-//! a lower bound of the value of each node with this height and radius. All nodes of an operation have the
-//! same height, and keep their distances from each other. Let the origin of the surface have the distance
-//! `rho` from the base axis, and let a node have the polar coordinates (d, delta) on the surface. The radius
-//! of the node is then `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`. Here phi is the yaw of the surface
-//! relative to the line from the base axis to the origin of the surface.
+//! Consider the least value of a single node over all postures with a given height and radius (distance from
+//! the base axis). This value is a lower bound of the value of each node with this height and radius. All
+//! nodes of an operation have the same height, and keep their distances from each other. Let the origin of
+//! the surface have the distance `rho` from the base axis, and let a node have the polar coordinates (d,
+//! delta) on the surface. The radius of the node is then `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`. Here
+//! phi is the yaw of the surface relative to the line from the base axis to the origin of the surface.
 //!
 //! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single
 //! nodes are computed for intervals of height and radius. The lengths of these intervals are halves,
@@ -52,7 +52,7 @@ struct PlacementCell {
 }
 
 impl Ord for PlacementCell {
-    /// Orders cells so that the heap returns the cell with the least bound first.
+    /// Orders placement cells so that the heap returns the one with the least bound first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
     }
@@ -170,7 +170,7 @@ impl NodeRadii<'_> {
         self.workcell.cell.operations[self.region.operation].over.of(&mut values)
     }
 
-    /// Returns a lower bound of the value of one node in a cell.
+    /// Returns a lower bound of the value of one node in a placement cell.
     fn of_node(&mut self, cell: &PlacementCell, (d, delta): (f64, f64)) -> f64 {
         let (near, far) = radii(cell, d, delta);
         let (low, high) = self.radius;
@@ -224,7 +224,7 @@ fn within((low, high): (f64, f64), (level, index): Dyadic) -> (f64, f64) {
     (low + step * index as f64, low + step * (index + 1) as f64)
 }
 
-/// Returns the two halves of a cell in one of its dimensions: 0 is the height, 1 is rho, 2 is phi.
+/// Returns the two halves of a placement cell in one dimension: height (0), rho (1) or phi (2).
 fn halves(cell: &PlacementCell, dimension: usize) -> [PlacementCell; 2] {
     let (mut one, mut two) = (cell.clone(), cell.clone());
     let middle = |(low, high): (f64, f64)| (low + high) / 2.0;
@@ -239,10 +239,11 @@ fn halves(cell: &PlacementCell, dimension: usize) -> [PlacementCell; 2] {
     [one, two]
 }
 
-/// Returns the least and the greatest radius of the node with the polar coordinates (d, delta), in a cell, m.
+/// Returns the least and the greatest radius, m, of a node in a placement cell. The node has the polar
+/// coordinates (d, delta).
 fn radii(cell: &PlacementCell, d: f64, delta: f64) -> (f64, f64) {
     let (from, to) = (cell.phi.0 + delta, cell.phi.1 + delta);
-    // Whether the range of angles holds an angle that equals `at` but for whole turns.
+    // Returns whether the range of angles contains `at`, or `at` plus or minus whole turns.
     let holds = |at: f64| ((from - at) / TAU).ceil() * TAU + at <= to;
     let (a, b) = (from.cos(), to.cos());
     let least = if holds(std::f64::consts::PI) { -1.0 } else { a.min(b) };

@@ -341,11 +341,11 @@ impl<'a> Task<'a> {
         self.evaluator.memory()
     }
 
-    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`]
-    /// `y`, and the actuator coordinates (rad or m) of this posture.
+    /// Computes the value of the operation as the layout search does, in the posture with the [`Coordinates`]
+    /// `y`. Returns this value, and the actuator coordinates (rad or m) of the posture.
     ///
-    /// If the value depends on a joint that needs no coordinate, the posture is the best of several angles of
-    /// this joint.
+    /// If the value depends on a joint that needs no coordinate, the function tries several angles of this
+    /// joint. It then returns the least value found.
     pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> (f64, JointVector) {
         let chain = self.workcell.inverse().chain();
         let spun = [(0, self.turned_first), (chain.axes() - 1, self.last.is_some())];
@@ -353,7 +353,8 @@ impl<'a> Task<'a> {
         let mut best = (f64::INFINITY, self.joints(y));
         let mut judge = |q: JointVector, best: &mut (f64, JointVector)| {
             let frames = chain.frames(&chain.posture(&q));
-            // A posture needs no value if a cheap lower bound of this value reaches the least value found.
+            // The value of a posture is not computed if a cheap lower bound of this value reaches the least
+            // value found.
             let is_bounded = best.0.is_finite() && evaluator.has_sharp_worst_bound();
             if is_bounded && evaluator.corner_worst(situation, &frames, memory) >= best.0 {
                 return;

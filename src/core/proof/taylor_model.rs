@@ -2,11 +2,10 @@
 //!
 //! Every expanded function is a sum of products of vectors fixed to links. A joint rotates all factors of a
 //! product, one factor, or no factor. Each mixed partial derivative of a product is therefore again a single
-//! product. The size of this derivative is at most the product of the lengths of the factors. The radius of a
-//! coordinate is half its range in the box. Let `s` be the product of these lengths. Let `rho` be the sum of
-//! the radii of the coordinates that rotate any factor. Then the third-order term of the product over the box
-//! is at most `s rho^3 / 6`. If a prismatic joint with the radius `r_t` lengthens a factor, `3 rho^2 r_t / 6`
-//! is added to this bound.
+//! product. The size of this derivative is at most the product `s` of the lengths of the factors. The radius
+//! of a coordinate is half its range in the box. Let `rho` be the sum of the radii of the coordinates that
+//! rotate any factor. Then the third-order term of the product over the box is at most `s rho^3 / 6`. If a
+//! prismatic joint with the radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added to this bound.
 
 use super::coordinates::{Coordinates, JointMatrix};
 use crate::cell::{JointKind, MAX_JOINTS};

@@ -15,11 +15,11 @@
 //! ```
 //!
 //! The sum leaves out elastic errors, because their size changes with the posture. For a signed sample,
-//! `task` subtracts an upper bound of their contribution. In the other readings, the other errors alone give
-//! a lower bound. An additional independent source never reduces the error at the worst corner of the
+//! `task` subtracts an upper bound of their contribution. In the other readings, the non-elastic errors alone
+//! give a lower bound. An additional independent source never reduces the error at the worst corner of the
 //! tolerance box. An additional independent source also never reduces the spread of a distribution with mean
-//! zero. If sources are correlated, only the part of the other errors that is independent of the elastic
-//! errors counts.
+//! zero. If sources are correlated, only the part of the non-elastic errors that is independent of the
+//! elastic errors counts.
 //!
 //! Means of measured errors are also ignored, and the bound remains valid. The largest error of a tolerance
 //! box about a mean is at least that of the box about 0. The reason is that a mean cannot reduce the errors

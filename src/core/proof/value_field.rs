@@ -46,8 +46,8 @@ use crate::layout::Workcell;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Number of layouts from which the computation of value fields saves time. The fields of a cell take as long
-/// as up to two thousand evaluations.
+/// Least number of layout evaluations for which the computation of value fields saves time. Computing the
+/// fields of a cell takes as long as up to two thousand evaluations.
 pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;
@@ -139,7 +139,7 @@ struct FieldSearch<'a> {
     radius: (f64, f64),
     /// Longest range of height or radius of a box that is not bisected, m.
     longest: f64,
-    /// Share of each bound that the field keeps.
+    /// Factor, at most 1, by which every bound is multiplied before the field records it.
     kept: f64,
 }
 

@@ -120,8 +120,8 @@ impl Camera {
         let from = p - self.centre;
         let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));
         let (grown, near) = match self.distance {
-            // The reciprocal of the distance is linear over a plane in the picture, but the distance itself
-            // is not.
+            // In the picture, the reciprocal of the distance varies linearly over a plane; the distance
+            // itself does not.
             Some(d) => {
                 let away = (d - z).max(0.01 * d);
                 (d / away, d / away)

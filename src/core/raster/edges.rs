@@ -53,7 +53,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             side.is_outline |= side.faces_eye != faces_eye;
         }
     }
-    // On a scanned surface, nearly every edge is sharp. An arrow is too thin for more than its outline.
+    // On a scanned surface, nearly every edge is sharp. An arrow is so thin that only its outline is drawn.
     let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MAX_SHARP_EDGES;
     let is_drawn = |s: &FeatureEdge| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()

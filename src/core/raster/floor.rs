@@ -105,8 +105,8 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
     dark
 }
 
-/// Returns the mean of five values at each place of a square grid, along one direction. These are the value
-/// at the place and two neighbours on each side (0 outside the grid).
+/// Returns, for each place of a square grid, the mean of five values along one direction. The five values are
+/// the value at the place and those of two neighbours on each side (0 outside the grid).
 ///
 /// The grid has `across` values per row. The direction is along rows if `step` is 1, and along columns if
 /// `step` is `across`.

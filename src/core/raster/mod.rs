@@ -42,8 +42,8 @@ pub struct Shot {
     /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, the
     /// error maps of all operations are shown.
     pub operation: Option<usize>,
-    /// Operation that sets only the posture of the robot, which is at the spot of this operation. The field
-    /// has no effect if `operation` is given. If both fields are None, the robot is at home.
+    /// Operation at whose spot the robot is drawn, while the error maps of all operations are shown. The
+    /// field has no effect if `operation` is given. If both fields are None, the robot is at home.
     pub context: Option<usize>,
     /// Width of the picture, px.
     pub width: usize,
@@ -53,10 +53,11 @@ pub struct Shot {
     /// projection.
     pub perspective: bool,
     pub show: Show,
-    /// Number of the combination of model and reading under which errors are shown: an index into
-    /// [`Drawing::lenses`].
+    /// Index into [`Drawing::lenses`]. The entry is the combination of error model and reading
+    /// (interpretation of the error set) under which errors are shown.
     pub take: usize,
-    /// Name of the sense whose values the colours show. If None, each map shows the sense of its operation.
+    /// Name of the sense (component of the error) whose values the colours show. If None, each map shows the
+    /// sense of its operation.
     pub sense: Option<String>,
     pub envelope: bool,
     /// Whether equipment names and spot values are drawn.

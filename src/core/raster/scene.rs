@@ -70,8 +70,7 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// The label is centred below one edge of the object's top. Among the corners of the top, the two ends of
-    /// this edge are lowest in the picture.
+    /// The label is centred below the two corners of the object's top that are lowest in the picture.
     Below,
     /// The label is beside a spot, and a leader line connects label and spot.
     Spot,

@@ -69,8 +69,8 @@ impl HeldTarget<'_> {
     ///
     /// The distance of the target from the reachable points is a Lipschitz function of the redundant joint's
     /// value. Between two scanned values, the distance is therefore greater than 0 if the sum of the two
-    /// distances exceeds the Lipschitz constant times the scan step. Lower bounds of the distances suffice for
-    /// this test.
+    /// distances exceeds the Lipschitz constant times the scan step. Lower bounds of the distances suffice
+    /// for this test.
     pub fn find_between(&self, found: &mut dyn FnMut(u64, &Posture)) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let [near, travel] = [self.joint.most_travel(&flange), self.joint.travel(&flange)]
@@ -101,7 +101,8 @@ impl HeldTarget<'_> {
     }
 
     /// Searches around each scanned value whose gap is not larger than the gaps of its neighbours, if
-    /// `is_possible` holds for its index. Returns the least gap found, and whether a usable posture was found.
+    /// `is_possible` holds for the index of this value. Returns the least gap found, and whether a usable
+    /// posture was found.
     ///
     /// `gaps` holds the gaps at the scanned values. Values at which the target is farther out of reach than
     /// `near` (m) are left out.

@@ -7,7 +7,8 @@ use crate::robot::Posture;
 /// Bits of a branch index that hold the attitude index for a redundant arm.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
-/// Bit of a branch index at which the lattice number of the redundant joint begins.
+/// Bit of a branch index at which the lattice number of the redundant joint begins (see
+/// `HeldJoint::LATTICE`).
 const SAMPLE_SHIFT: u32 = 16;
 
 /// Returns the attitude index that a branch index of a redundant arm holds.

@@ -112,8 +112,8 @@ impl ExactSolver {
         }
     }
 
-    /// Returns the point whose distance from the reachable points [`Self::solve`] returns, m; None if the
-    /// point is not known.
+    /// Returns the point (m) whose distance from its reachable positions is the result of [`Self::solve`];
+    /// None if the point is not known.
     pub fn centre(&self, flange: &Pose) -> Option<Vector3<f64>> {
         match self {
             Self::SphericalWrist(arm) => Some(arm.centre(flange)),

@@ -173,8 +173,8 @@ impl HeldJoint {
         }
     }
 
-    /// Returns an upper bound like [`Self::most_travel`]. The bound is exact if the solver of the other joints
-    /// knows the point, because a revolute redundant joint then moves the point on a circle.
+    /// Returns an upper bound like [`Self::most_travel`]. The bound is exact for a revolute redundant joint
+    /// if [`PoseSolver::centre`] returns the point. The joint then moves the point on a circle.
     pub fn travel(&self, flange: &Pose) -> f64 {
         let most = self.most_travel(flange);
         let opposite = [0.0, PI].map(|value| self.solver.centre(&self.rest_of(flange, &self.at(value).1)));
@@ -189,9 +189,10 @@ impl HeldJoint {
 
     /// Returns whether the target is certainly out of reach at every value of the redundant joint.
     ///
-    /// The squared distance of the solver's point from the centre of its [shell](PoseSolver::shell) is a
-    /// sinusoid of a revolute redundant joint, or a parabola of a prismatic redundant joint. Three values
-    /// determine the range of this function. `flange` is the pose of the last D-H frame in frame 0.
+    /// Let D be the squared distance of the point [`PoseSolver::centre`] from the centre of the
+    /// [shell](PoseSolver::shell). As a function of the redundant joint's coordinate, D is a sinusoid
+    /// (revolute joint) or a parabola (prismatic joint). Three values of D determine its range. `flange` is
+    /// the pose of the last D-H frame in frame 0.
     pub fn never_reaches(&self, flange: &Pose) -> bool {
         let Some(shell) = self.solver.shell() else { return false };
         let (lo, hi) = self.range;

@@ -94,7 +94,7 @@ impl Inverse {
         self.fixed_elevation
     }
 
-    /// Returns the class of the computing time per target.
+    /// Returns the class of the solver by its computing time per target.
     pub fn cost(&self) -> Cost {
         match &self.solver {
             ChainSolver::Planar(_) => Cost::Low,
@@ -385,7 +385,7 @@ impl Inverse {
         }
     }
 
-    /// Returns a point of the base frame in frame 0 of a planar arm, m.
+    /// Converts a point (m) from the base frame of a planar arm to D-H frame 0.
     pub(super) fn in_frame_0(&self, target: &Vector3<f64>) -> Vector3<f64> {
         self.to_zero.as_ref().map_or(*target, |pose| pose.transform(target))
     }

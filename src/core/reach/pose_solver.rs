@@ -111,8 +111,9 @@ impl PoseSolver {
         }
     }
 
-    /// Returns the point whose distance from the reachable points [`Self::solve`] returns, m; None if the
-    /// point is not known. The point moves with `flange`, or against it if the solver uses the reversed chain.
+    /// Returns the point (m) whose distance from its reachable positions is the result of [`Self::solve`];
+    /// None if the point is not known. The point moves with `flange`, or against it if the solver uses the
+    /// reversed chain.
     pub fn centre(&self, flange: &Pose) -> Option<Vector3<f64>> {
         match self {
             Self::Exact(solver) => solver.centre(flange),

@@ -134,11 +134,11 @@ impl Inverse {
     }
 
     /// Calls `found` with the usable branches of a redundant arm between the sampled values of the redundant
-    /// joint. No sample may have a usable branch.
+    /// joint. The caller must make sure that no sample has a usable branch.
     ///
-    /// `is_solved` states whether the target is within reach at a sample, outside the joint limits. Other arms
-    /// have no such branches. This function finds the same branches as [`Self::visit`], but faster, because
-    /// it computes no [`Gap`].
+    /// `is_solved` is true if the target is within reach at a sample when the joint limits are ignored. For
+    /// an arm without a redundant joint, the function finds no branch. This function finds the same branches
+    /// as [`Self::visit`], but faster, because it computes no [`Gap`].
     pub fn visit_between_samples(
         &self,
         target: &Vector3<f64>,

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 /// Spherical shell that contains every reachable position of a point, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shell {
-    /// Centre of both spheres. The base frame of the arm applies to the shell of an arm
-    /// ([`super::Inverse::shell`]).
+    /// Centre of both spheres. For the shell of an arm ([`super::Inverse::shell`]), the centre is in the base
+    /// frame of the arm.
     pub centre: Vector3<f64>,
     pub inner: f64,
     pub outer: f64,

@@ -90,8 +90,7 @@ impl SimplifiedChain {
         Some(found)
     }
 
-    /// Returns the pose of the last frame of the simplified chain for a pose of the last frame of the
-    /// original chain.
+    /// Converts a pose of the original chain's last frame to the pose of the simplified chain's last frame.
     pub fn flange(&self, original: &Pose) -> Pose {
         *original * self.from_flange
     }
@@ -142,9 +141,9 @@ struct SimpleRow {
     shift: Vector3<f64>,
 }
 
-/// Returns the direction of the next axis, and the rotation vector from the direction of `line` to this
-/// direction. If `line` is nearly parallel or perpendicular to axis z of `frame`, the returned direction is
-/// exactly parallel or perpendicular.
+/// Returns the simplified direction of the axis `line`, and the rotation vector (rad) from the actual to the
+/// simplified direction. If `line` is nearly parallel or perpendicular to axis z of `frame`, the simplified
+/// direction is exactly parallel or perpendicular.
 fn simplified_direction(frame: &Pose, line: &Line, tolerance: f64) -> (Vector3<f64>, Vector3<f64>) {
     let (z, w) = (frame.rotation.column(2).into_owned(), line.along);
     let (cosine, sine) = (w.dot(&z), z.cross(&w).norm());

@@ -15,13 +15,13 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FamilyReach {
     /// The families contain every usable branch. For a redundant arm, they contain every usable branch at the
-    /// sampled values of the redundant joint. At least one such branch exists, or no value of the redundant
-    /// joint has a usable branch.
+    /// sampled values of the redundant joint. If the families of a redundant arm contain no usable branch, no
+    /// value of the redundant joint has a usable branch.
     Complete,
     /// No sampled value of the redundant joint has a usable branch. Usable branches may exist between the
     /// sampled values ([`Inverse::visit_between_samples`]).
     OnlyBetweenSamples {
-        /// Whether the target is within reach at a sampled value, outside the joint limits.
+        /// Whether the target is within reach at a sampled value when the joint limits are ignored.
         is_solved: bool,
     },
 }

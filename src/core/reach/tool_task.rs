@@ -35,8 +35,8 @@ pub struct ToolTask {
     pub active: [usize; MAX_ROWS],
     /// Controlled components of the rotation.
     ///
-    /// Each number is the required rate of its component if the reference azimuth ([`Inverse::heading`])
-    /// rotates at 1 rad/s. Only the first `rows - 3` entries count.
+    /// The number of an entry is the required rate of its component if the reference azimuth
+    /// ([`Inverse::heading`]) rotates at 1 rad/s. Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the reference azimuth ([`Inverse::heading`]) is the direction from the base axis to the
     /// target. Otherwise, this azimuth is fixed in the surface.

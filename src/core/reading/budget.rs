@@ -7,7 +7,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Vector3, Vector6};
 
-/// Contribution of one error source to the error in the operation's sense.
+/// Contribution of one error source to the error in the operation's [sense](crate::cell::Sense).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     pub parameter: Parameter,

@@ -31,11 +31,11 @@ pub struct CornerModel<'a> {
     context: &'a WorkContext,
     frames: &'a Frames,
     measure: SenseRows,
-    /// Prediction of the changes of the error that sign flips cause. None if the evaluator has no prediction,
-    /// or if the errors are too large for a prediction.
+    /// Predictor of how sign flips change the error. None if the evaluator has no predictor, or if the errors
+    /// are too large for a prediction.
     prediction: Option<&'a mut FlipPrediction>,
-    /// Walk that computes the position error. None if other errors than the position error of the robot are
-    /// needed.
+    /// Algorithm that computes the position error of the TCP. None if the evaluator has no such algorithm, or
+    /// if the sense measures anything other than the TCP position.
     walk: Option<&'a mut TwoValuedWalk>,
 }
 

@@ -150,7 +150,7 @@ struct CornerSearch<'a, 'm> {
     /// Bit set for each column, as returned by the function `groups`: the later columns that are parallel to
     /// this column.
     groups: [u128; MAX_SOURCES],
-    /// Largest change of the linear error, m or rad, up to which a flip is tried.
+    /// Largest change of the linear error that a tried flip may cause, m or rad.
     gap: f64,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.

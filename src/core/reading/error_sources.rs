@@ -35,7 +35,8 @@ pub struct ErrorSource {
 }
 
 impl ErrorSource {
-    /// Returns whether the source has a tolerance that can be chosen: it is neither measured nor correlated.
+    /// Returns whether a tolerance can be chosen for the source. A measured or correlated source has no such
+    /// tolerance.
     pub fn is_own_tolerance(&self) -> bool {
         self.spread.is_some() && self.plus_minus > 0.0
     }
@@ -145,8 +146,8 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the walk through the small motions of the robot at the corners of the tolerance box; None if
-    /// the walk does not support the sources.
+    /// Returns the algorithm that computes the position error at the corners of the tolerance box. Returns
+    /// None if the algorithm does not support the sources.
     pub fn corner_walk(&self, chain: &Chain) -> Option<TwoValuedWalk> {
         let parameters: Option<Vec<usize>> = self.list.iter().map(|source| source.robot).collect();
         TwoValuedWalk::new(chain, &parameters?)

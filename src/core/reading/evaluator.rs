@@ -16,15 +16,15 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Evaluator of the error of one operation. The operation defines the sense, and the cell defines the error
-/// model and the reading.
+/// Evaluator of the error of one operation. The operation defines the [`Sense`], and the cell defines the
+/// error [`Model`] and the [`Reading`].
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
     pub(super) chain: Chain,
     pub sources: ErrorSources,
     best_fit: Option<BestFit>,
     pub sense: Sense,
-    /// Senses reported at every node: the senses of the seed paper and the sense of the operation.
+    /// Senses reported at every node: x, y, z, xy and xyz ([`Sense::paper`]), and the sense of the operation.
     pub reported: Vec<Sense>,
     pub model: Model,
     pub reading: Reading,
@@ -64,11 +64,13 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
-    /// Prediction of the changes of the error that sign flips cause at corners of the tolerance box. None if
-    /// the evaluator has no prediction.
+    /// Predictor of how sign flips change the error at corners of the tolerance box. None for the linear
+    /// model, and if a registration or a pick removes a part of the errors.
     pub(super) flips: Option<Box<FlipPrediction>>,
-    /// Position error of the nonlinear model at corners of the tolerance box. None for another model, and if
-    /// only the position error of the robot does not suffice.
+    /// Algorithm that computes the position error of the nonlinear model at corners of the tolerance box.
+    /// None for another model, and if the errors are not tolerances. None also if the equipment has errors,
+    /// or if a registration or a pick removes a part of the errors. None also if the algorithm does not
+    /// support the error sources.
     pub(super) walk: Option<Box<TwoValuedWalk>>,
     conditional: ConditionalScratch,
 }

@@ -3,7 +3,7 @@
 use crate::cell::{Quantity, Reading};
 use crate::pose::Displacement;
 
-/// Error figures of one sense at one posture, m or rad.
+/// Error figures in one [sense](crate::cell::Sense) at one posture, m or rad.
 ///
 /// If the errors are not tolerances, all figures except `error` are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -49,10 +49,9 @@ struct CornerMotion {
     w: Vector3<f64>,
     /// Size at the corner, m or rad.
     size: f64,
-    /// Derivative `G_i` of the position of the measured point.
+    /// Derivative `G_i` of the position of the measured point with respect to the size of the motion.
     moves: Vector3<f64>,
-    /// Derivative of the rotation vector with respect to the size of the motion, as `G_i` is for the
-    /// position.
+    /// Derivative of the rotation vector with respect to the size of the motion.
     turns: Vector3<f64>,
 }
 
@@ -85,7 +84,7 @@ impl PredictedFlip {
     };
 }
 
-/// Predictor of the changes of the error that flips of single sources cause at a corner of the tolerance box.
+/// Predictor of how a flip of the sign of one source changes the error at a corner of the tolerance box.
 #[derive(Debug, Clone)]
 pub struct FlipPrediction {
     /// Motions in the order from base to tool.

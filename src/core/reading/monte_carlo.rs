@@ -24,8 +24,8 @@ const NORMAL_QUANTILE: f64 = 1.959_963_985;
 /// at most this share.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// Deviation from an estimate up to which a first-order yield is accepted even outside the confidence
-/// interval.
+/// A first-order yield is accepted even outside the confidence interval if it deviates from the estimate by
+/// at most this value.
 pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
@@ -146,7 +146,7 @@ impl MonteCarlo {
     }
 }
 
-/// Operation at a posture, whose error is sampled.
+/// Posture of an operation at which the error of the operation is sampled.
 pub struct SampledPosture<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,

@@ -39,9 +39,10 @@ pub struct PairGains {
     count: usize,
     /// Largest value of each field of [`FlipGain`] over all flips.
     largest: FlipGain,
-    /// Twice the size of the error times the norms of the rows that measure the position and the rotation.
+    /// Norms of the rows that measure the position and the rotation, each multiplied by twice the size of the
+    /// error.
     weights: [f64; 2],
-    /// Upper bound of the rounding error of a sum.
+    /// Upper bound of the rounding error of the sum in the inequality of this module, m^2 or rad^2.
     rounding: f64,
 }
 

@@ -23,7 +23,8 @@ pub(super) struct PositionFactors {
     everywhere: f64,
     /// Parameters (indices) whose motions the factors need.
     parameters: Vec<usize>,
-    /// Root sum square of the deviations (rad) of all rotations; None if a factor causes several motions.
+    /// Root sum square of the standard deviations (rad) of all rotations; None if a factor causes several
+    /// motions.
     turned: Option<f64>,
 }
 

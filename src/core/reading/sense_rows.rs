@@ -5,8 +5,8 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Rows of a sense, and the point whose error they measure. A row is a weighted direction in the base frame,
-/// along which the error is measured.
+/// Rows of a [`Sense`], and the point whose error they measure. A row is a weighted direction in the base
+/// frame, along which the error is measured.
 #[derive(Debug, Clone, Copy)]
 pub struct SenseRows {
     /// Vector from the TCP to the point whose error the sense measures, base frame, m.
@@ -45,7 +45,7 @@ impl SenseRows {
         Matrix3::from_rows(&[a, b, c])
     }
 
-    /// Returns whether only the position error of the TCP counts.
+    /// Returns whether the rows measure only the position error of the TCP.
     pub fn is_of_position(&self) -> bool {
         self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)
     }

@@ -2,8 +2,8 @@
 //!
 //! The last joint rotates the tool about its axis and does not move the TCP. The errors dl, dalpha and dbeta
 //! of the last link and all errors of the tool are after this joint. Only the effects of these errors rotate
-//! with the tool. The effects of all other errors do not change, and no bound is known if an elastic error
-//! may change.
+//! with the tool. The effects of all other errors do not change, unless an error is elastic. If the rotation
+//! may change an elastic error, no bound is known.
 //!
 //! - Signed sample: the errors after the joint displace the TCP by at most r, and the errors before the joint
 //!   move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.

@@ -88,7 +88,8 @@ impl WorkspaceAverage {
         Self { mount: chain.mount, tool: chain.tool, rows, segments, postures }
     }
 
-    /// Returns mean (m) and second moment (m2) of the TCP position without errors, base frame.
+    /// Returns mean (m) and second moment (m2) of the TCP position without errors, base frame. The values in
+    /// `errors` do not affect the result.
     pub fn position(&self, errors: &Perturbation) -> (Vector3<f64>, Matrix3<f64>) {
         let PositionMoments { mean, square, .. } = self.moments(errors, Model::Linear);
         (mean, square)

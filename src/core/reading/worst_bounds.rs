@@ -80,7 +80,7 @@ impl ErrorEvaluator {
         linear.upper.max(linear.value)
     }
 
-    /// Returns a lower bound of the worst case at a posture by a nonlinear model. The returned `bool` is true
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture. The returned `bool` is true
     /// if this bound is the worst case itself. The bound is the result of a local search that leaves out most
     /// starting corners.
     pub fn searched_worst(

@@ -5,7 +5,7 @@ use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
-/// Largest size of the error in a sense over the tolerance box, m or rad.
+/// Largest size of the error in a [sense](crate::cell::Sense) over the tolerance box, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
     /// Maximum by the linear model, or a proven upper bound if `exact` is false.

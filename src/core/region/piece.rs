@@ -1,4 +1,5 @@
-//! Region of one piece: outline in plan, ranges of z and yaw, and room.
+//! Region of one piece: outline in plan, ranges of z and yaw, and room (largest displacement in every
+//! direction).
 
 use super::outline::{Domain, Inside, TwoLattices};
 use super::{MovableBody, Region, RegionEffort, RoomEnd, RoomScale};
@@ -20,7 +21,7 @@ const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
 /// Threshold of the room, m. A room up to this value counts as 0. To find what limits a room, the piece is
-/// displaced farther than the room by at least this distance.
+/// displaced beyond the room by at least this distance.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;

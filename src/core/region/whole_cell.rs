@@ -1,5 +1,5 @@
-//! Rotation of equipment about the base axis. The rotated pieces have ranges of x, y and yaw, or stand on
-//! such a piece.
+//! Rotation of equipment about the base axis. Only pieces with ranges of x, y and yaw, and the pieces that
+//! stand on them, are rotated.
 //!
 //! The base axis is the vertical line through the origin of the robot base. The errors may change, for
 //! example if the base frame has an error. A rotation is allowed if the objective grows by at most the

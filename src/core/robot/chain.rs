@@ -29,8 +29,8 @@ pub struct Link {
 }
 
 impl Link {
-    /// Returns the link transform, eq. (1) of the seed paper. `cos` and `sin` belong to the joint angle
-    /// theta, and `r` is the axial offset, m.
+    /// Returns the link transform `Rz(theta) Tz(r) Tx(l) Rx(alpha)`, eq. (1) of the seed paper. `cos` and
+    /// `sin` belong to the joint angle theta, and `r` is the axial offset, m.
     pub fn pose(&self, cos: f64, sin: f64, r: f64) -> Pose {
         step(&Pose::identity(), self, cos, sin, r)
     }

@@ -4,8 +4,8 @@ use super::{Chain, Frames};
 use crate::cell::JointKind;
 use nalgebra::Vector3;
 
-/// Largest distance, m, of the TCP from the last joint axis that counts as a rounding error. This value also
-/// limits the sine of the angle between the tool axis and the last joint axis.
+/// A distance of the TCP from the last joint axis up to this value, m, counts as a rounding error. This value
+/// also limits the sine of the angle between the tool axis and the last joint axis.
 const ON_AXIS: f64 = 1e-12;
 
 impl Chain {

@@ -158,8 +158,8 @@ fn shortlist<'i>(
     let space = SearchSpace::new(&workcell.cell);
     let numbered = islands.iter().enumerate().flat_map(|(k, i)| i.alternatives.iter().map(move |a| (k, a)));
     let mut all: Vec<(usize, &IslandLayout)> = numbered.collect();
-    // The best layout was chosen for its room, so its objective may be slightly larger than the objectives of
-    // other layouts.
+    // The last phase of a search (`settle`) may choose a layout with more room as the best layout. The
+    // objective of this layout may therefore be slightly larger than the objectives of other layouts.
     let is_first = |a: &IslandLayout| best.alternatives.first().is_some_and(|b| std::ptr::eq(a, b));
     all.sort_by(|(_, a), (_, b)| is_first(b).cmp(&is_first(a)).then(a.cost.total_cmp(&b.cost)));
     let mut kept: Vec<(usize, Vec<f64>, &IslandLayout)> = Vec::new();

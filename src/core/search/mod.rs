@@ -14,8 +14,9 @@
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
 //! A search without Pareto goals ends with a further phase. This phase selects a layout with much room among
-//! the layouts with nearly the least objective. The phase evaluates layouts in addition to the budget; their
-//! number is at most a quarter of the budget.
+//! the layouts with nearly the least objective. The [room](crate::region::estimated_room) is the largest
+//! distance by which any one piece may be displaced in every direction. The phase evaluates layouts in
+//! addition to the budget; their number is at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
 
@@ -71,7 +72,8 @@ pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     ///
-    /// Among the layouts with nearly the least objective, a layout whose pieces have much room is chosen.
+    /// Among the layouts with nearly the least objective, the search chooses a layout whose pieces can be
+    /// displaced far in every direction.
     pub best: EvaluatedLayout,
     /// Least objective found (m, rad, a share or a cost). None if no layout is feasible and within every
     /// limit.

@@ -40,7 +40,7 @@ pub struct Watch<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Point in a search at which the state of the search is reported.
+/// Moment of a search at which the state of the search is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
     /// The search has not yet evaluated a layout.
@@ -232,7 +232,8 @@ impl<'a> Problem<'a> {
         let best = journal.record.best();
         (self.watch.progress)(Progress { evaluations, budget: self.budget, feasible, best });
         (self.keep)(journal.checkpoint(), Moment::Going);
-        // Solvers see the cost for unit weights, because their tolerances are lengths.
+        // Solvers receive the cost divided by the weight of the objective, because their tolerances are
+        // lengths.
         let weight = self.workcell.weight();
         let scalarization = locked(&self.scalarization);
         let cost = |a: &Answer| match &*scalarization {

@@ -1,7 +1,7 @@
 //! Scalarization: combines several goals into one number, which a run of a Pareto search minimizes.
 //!
-//! The losses of the ideal point are the least losses on the front. The number is the augmented weighted
-//! Chebyshev distance from the ideal point,
+//! The losses of the ideal point are the least losses on the front. The scalarization s of a layout is its
+//! augmented weighted Chebyshev distance from the ideal point,
 //!
 //! ```text
 //! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),

@@ -1,11 +1,12 @@
 //! Last phase of a search: among the layouts with nearly the least objective, the search selects a layout
 //! with much room.
 //!
-//! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
-//! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among these
-//! layouts ([`estimated_room`]). A pattern search then polls (evaluates) the neighbours of the layout with
-//! the most room. A neighbour differs by one step of one coordinate. The result is the layout with the most
-//! clearance among the layouts with nearly the most room.
+//! The room is the largest distance by which any one piece may be displaced in every direction. At the layout
+//! with the least objective, a piece often cannot be displaced at all. Layouts whose objective is larger by
+//! at most the indifference are equally good to the user. CMA-ES maximizes the room among these layouts
+//! ([`estimated_room`]). A pattern search then polls (evaluates) the neighbours of the layout with the most
+//! room. A neighbour differs by one step of one coordinate. The result is the layout with the most clearance
+//! among the layouts with nearly the most room.
 //!
 //! The phase is a pure function of cell, settings, best layout and bound, so a resumed search repeats it.
 
@@ -76,11 +77,10 @@ struct RoomState {
 /// A usable layout is feasible, is within every limit, and has nearly the least objective. Only the layouts
 /// with the largest estimated rooms are compared accurately.
 ///
-/// `best` is the point with the least objective, `least`. The indifference gives an upper limit of the
-/// objective of a usable layout. `bound` is the largest objective within the optimality gap that the user
-/// requests. This objective is the proven lower bound times (1 + gap). If `bound` is given and is less than
-/// the limit by the indifference, `bound` is the limit. If `bound` is less than `least`, the limit is
-/// `least`.
+/// `best` is the point with the least objective, `least`. `bound` is the largest objective within the
+/// optimality gap that the user requests: the proven lower bound times (1 + gap). The objective of a usable
+/// layout must not exceed a limit. This limit is the smaller of `bound`, if given, and `least` times (1 +
+/// indifference). If `bound` is less than `least`, the limit is `least`.
 ///
 /// The result is None if the cell requests an ideal layout, which need only work at its nominal placements.
 /// The result is also None if `settings` request a Pareto search, or if the indifference is 0 or less. The

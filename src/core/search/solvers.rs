@@ -54,8 +54,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
-        // Every other run of a Pareto search starts from the member of the front that is best for its
-        // scalarization.
+        // Every other run of a Pareto search starts from the member of the front that is best for the
+        // scalarization of this run.
         let known = if run % 2 == 1 { problem.best_for_scalarization() } else { None };
         let from = if run == 0 { start.clone() } else { known.unwrap_or_else(|| random(&mut rng)) };
         let from = problem.separated(from);

@@ -46,8 +46,8 @@ pub struct MeasuredComparison {
 }
 
 impl MeasuredComparison {
-    /// Compares a session with predicted errors. In each spot, every command position is within `spot` (m) of
-    /// the first one along every axis.
+    /// Compares a session with predicted errors. The poses are grouped into spots. The command positions of a
+    /// spot are within `spot` (m) of the first one along every axis.
     ///
     /// # Errors
     /// Returns the reason why base and reflectors cannot be fitted.

@@ -1,9 +1,10 @@
-//! Polygons that replace outlines with arcs and contain them.
+//! Conversion of an outline with arcs to a polygon that encloses the outline.
 //!
 //! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into the
 //! outline. Tangents and chords lie on the outer side of the outline. The distance between tangents and arc
 //! is at most `r (1 / cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`.
-//! Here, `r` is the radius of the arc and `d` is the angle of one piece.
+//! Here, `r` is the radius of the arc. One tangent or chord replaces a piece of the arc with the central
+//! angle `d`.
 
 use super::entities::PathVertex;
 use crate::geometry::polygon_area;

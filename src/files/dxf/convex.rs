@@ -1,8 +1,8 @@
 //! Convex parts of a polygon: ear clipping, then removal of diagonals between parts whose union is convex.
 //!
-//! The parts have the corners of the polygon, do not overlap, and their union is the polygon. The removal of
-//! diagonals leaves at most four times the least possible number of parts (S. Hertel and K. Mehlhorn, Fast
-//! triangulation of simple polygons, FCT 1983).
+//! Every corner of a part is a corner of the polygon. The parts do not overlap, and their union is the
+//! polygon. The removal of diagonals leaves at most four times the least possible number of parts (S. Hertel
+//! and K. Mehlhorn, Fast triangulation of simple polygons, FCT 1983).
 
 use crate::geometry::{PlanePoint, turn};
 

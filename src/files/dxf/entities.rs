@@ -175,7 +175,8 @@ fn arc(centre: Vector2<f64>, radius: f64, start: f64, end: f64) -> EntityKind {
         return EntityKind::Circle { centre, radius };
     }
     let on = |angle: f64| centre + Vector2::new(angle.cos(), angle.sin()) * radius;
-    // Two halves keep the bulge of an almost full turn finite.
+    // The arc is divided into two halves, because the bulge of an almost full circle would be nearly
+    // infinite.
     let bulge = (sweep / 8.0).tan();
     let half = |angle: f64, bulge: f64| PathVertex { at: on(angle), bulge };
     path(vec![half(start, bulge), half(start + sweep / 2.0, bulge), half(end, 0.0)], false)

@@ -51,7 +51,8 @@ impl PlaneMap {
     }
 }
 
-/// Shape of the drawing, with the map from the frame of the shape to the frame of the drawing, m.
+/// Shape of the drawing, with the map from the frame of the shape (drawing units) to the frame of the drawing
+/// (m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedShape {
     pub shape: FlatShape,

@@ -141,8 +141,8 @@ impl Outlines {
     ) {
         let shown_layer = shown(&layer);
         let fault = |message: String, help: &str| DxfFault::new(line, message, help);
-        // An outline scaled by 0 has no area, so the tolerance does not matter. The limit avoids a division
-        // by 0.
+        // An outline scaled by 0 has no area, so the tolerance does not matter. The lower limit of the
+        // divisor avoids a division by 0.
         let local = tolerance / map.stretch().max(f64::MIN_POSITIVE);
         let corners = match polygon(vertices, local) {
             Ok(corners) => cleaned(corners.iter().map(|c| map.of(c)).collect()),

@@ -8,7 +8,8 @@ use crate::cell::{FIRST_IT_GRADE, LAST_IT_GRADE};
 pub const MAX_POWER: f64 = 10.0;
 /// Largest rate of an exponential cost.
 pub const MAX_RATE: f64 = 20.0;
-/// Least and greatest scale of a tolerance in the files.
+/// Least and greatest scale that a file may state. A scale is a tolerance divided by the tolerance in the
+/// error set.
 pub const SCALES: (f64, f64) = (0.01, 100.0);
 
 /// Law by which a cost depends on a tolerance.

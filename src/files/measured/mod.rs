@@ -50,7 +50,7 @@ pub struct MeasuredTable {
 /// Largest number of columns of a table.
 const MAX_COLUMNS: usize = 100_000;
 
-/// Second table, which holds the joints of the postures.
+/// Second table, which holds the joint coordinates of the postures.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTable<'t> {
     pub file: &'t str,

@@ -1,4 +1,5 @@
-//! Joints from a second table: rows are matched by a shared column, or by their order.
+//! Joint coordinates from a second table. Its rows are matched with the rows of the first table by a shared
+//! column, or by their order.
 
 use super::columns::{ColumnNames, TableNames};
 use super::grid::FieldGrid;

@@ -15,7 +15,7 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units::{mm_from_m, rounded};
 
-/// Grades of ISO 286 if the file names none.
+/// Grades of ISO 286 that apply if the file names none.
 const DEFAULT_GRADES: std::ops::RangeInclusive<usize> = 5..=12;
 
 /// Kind of quantity of a parameter, which determines the unit of its tolerance.

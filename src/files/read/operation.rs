@@ -170,8 +170,8 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
         let Some(node) = t.get(&key) else { continue };
-        // A flag sets the limit of every operation. A limit does not apply to operations whose sense has
-        // the other unit.
+        // A flag sets the limit of every operation. An operation whose sense has the other unit ignores this
+        // limit.
         let sense_node = t.get(&operation::SENSE);
         let by_flag = t.lib.is_flag(node.at) || sense_node.is_some_and(|sense| t.lib.is_flag(sense.at));
         if by_flag && sense.is_some_and(|sense| sense.unit != unit) {

@@ -77,7 +77,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         found
     }
 
-    /// Returns the node of a key; None if the key is not given, even if it is required.
+    /// Returns the node of a key; None if the key is not given. Unlike [`Self::get`], this method does not
+    /// report a missing key.
     pub fn given(&self, key: &Key) -> Option<&'n Node> {
         self.entry(key.name)
     }

@@ -98,9 +98,9 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches of the tree are fingers of a gripper. Several of the branches are then driven, or
-/// a joint of the branches mimics another joint of the branches. A driven branch has a moving joint that
-/// mimics no joint.
+/// Returns whether branches of the tree are fingers of a gripper. Branches are fingers if several of them are
+/// driven, or if one of their joints mimics another one. A driven branch has a moving joint that mimics no
+/// joint.
 ///
 /// The passive bars of a parallelogram are no fingers: they mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {

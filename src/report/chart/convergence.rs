@@ -111,14 +111,15 @@ fn marks(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScal
         let (px, py) = (x.px.1, y.at(unit.from_si(best)));
         let fill = Ink::Blue.fill();
         canvas.put(&format!("<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"5\" {fill}/>"));
-        // The curve comes from above, so the label goes below the point, unless the bound is there.
+        // The curve comes from above, so the label goes below the point, unless the line of the lower bound
+        // is there.
         let bound = course.bound.map_or(y.px.0, |b| y.at(unit.from_si(b)));
         let away = if bound - py > 22.0 { 17.0 } else { -8.0 };
         canvas.label((px - 10.0, py + away), Anchor::End, Ink::Text, &format!("best {}", said(best)));
     }
     if let (Some(best), Some(bound)) = (course.best(), course.bound) {
         let (upper, lower) = (y.at(unit.from_si(best)), y.at(unit.from_si(bound)));
-        // The label goes below its line, unless the frame ends there and there is space above.
+        // The label goes below its line, unless the plot ends there and there is space above the line.
         let below = if y.px.0 - lower > 20.0 || lower - upper < 34.0 { 15.0 } else { -6.0 };
         let at = (x.px.0 + 8.0, lower + below);
         canvas.label(at, Anchor::Start, Ink::Text, &format!("bound {}", said(bound)));

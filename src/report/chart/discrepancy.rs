@@ -1,4 +1,5 @@
-//! Discrepancy between the linearized and the nonlinear model, node by node (Fig. 8 of the seed paper).
+//! Discrepancy between the linearized and the nonlinear model, node by node (Fig. 8 of the seed paper, from
+//! which this project grew).
 
 use super::WIDTH;
 use super::axes;

@@ -119,7 +119,7 @@ impl<'a> ErrorMapPicture<'a> {
         for k in 0..a.maps.len() {
             let d: String = a.reachable(k).iter().map(|o| self.path(o, PathEnd::Closed)).collect();
             let name = &a.cell.operations[a.maps[k].operation].name;
-            // Operations of one height and orientation share an outline.
+            // Operations with equal height and tool orientation share an outline.
             match drawn.iter_mut().find(|(other, _)| *other == d) {
                 Some((_, names)) => *names = format!("{names}, {name}"),
                 None if d.is_empty() => {}
@@ -261,8 +261,9 @@ fn thinning(map: &OperationMap) -> usize {
 
 /// Returns the error in x and y that the arrow of a node shows, m.
 ///
-/// A worst case or a statistic has no sign: the length of its arrow is the figure in the sense `xy`. The
-/// arrow points in the direction of the error at the worst corner of the tolerance box.
+/// A worst case or a statistic has no sign. The length of its arrow is its value for the sense `xy` (error in
+/// the horizontal plane). The arrow points in the direction of the error at the worst corner of the tolerance
+/// box.
 fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
     let (cell, error) = (a.cell, p.error.xy());
     let Some(sense) = map.sense("xy").filter(|_| !ErrorView::of(cell).is_signed()) else { return error };

@@ -74,7 +74,7 @@ fn draw_colours(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     senses.dedup();
     let unit = cell.unit().word();
     canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
-    // An error that a registration removes is zero except for rounding.
+    // If a registration removes an error, only rounding errors remain.
     let is_rounding = |v: f64| v.abs() <= ROUNDING_SHARE * scales.range.1.abs();
     let shown = |v: f64| if is_rounding(v) { 0.0 } else { v };
     let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(shown(v))));

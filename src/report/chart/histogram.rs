@@ -14,7 +14,7 @@ const HEIGHT: f64 = 250.0;
 /// values are named below the plot.
 const AXIS_LIMIT: f64 = 1.7;
 
-/// Marked figure of the histogram: name, value in the unit of the chart, ink.
+/// Marked value of the histogram: name, value in the unit of the chart, ink.
 struct HistogramMark {
     name: &'static str,
     value: f64,

@@ -1,8 +1,8 @@
 //! Charts of a report. Each chart is a pure function from records to one `<svg>`, for a file or inline in a
 //! page.
 //!
-//! A chart has neither a style element nor a style attribute, which a Content-Security-Policy would forbid.
-//! Colours are presentation attributes. An element with such a colour also has a class, for example
+//! A chart has neither a style element nor a style attribute, because a Content-Security-Policy would forbid
+//! them. Colours are presentation attributes. An element with such a colour also has a class, for example
 //! `fill-blue` or `line-grid`. The style sheet of a page can repaint all elements of a class, as
 //! [`dark_rules`] does.
 

@@ -102,7 +102,8 @@ impl Labels {
     pub fn beside(&mut self, said: &str, (low, high): (PlanePoint, PlanePoint)) -> Option<Vector2<f64>> {
         let (wide, h) = (width(said, self.height), self.height);
         let middle = ((low.0 + high.0 - wide) / 2.0, (low.1 + high.1 - h) / 2.0);
-        // Left and right of a dimension line through the middle of the box.
+        // `left` and `right` are the left ends of texts beside a vertical dimension line through the middle
+        // of the box.
         let (left, right) = ((low.0 + high.0) / 2.0 - wide - 0.6 * h, (low.0 + high.0) / 2.0 + 0.6 * h);
         let steps = (0..8).map(|k| h * (0.7 + 1.2 * f64::from(k)));
         let places = steps.flat_map(|away| {

@@ -1,5 +1,5 @@
 //! CAD drawing: DXF of release 2000 in mm, z up. The drawing has one layer for each kind of object, one block
-//! for each piece, and a title block in paper space.
+//! for each object, and a title block in paper space.
 
 mod file;
 mod labels;
@@ -164,7 +164,8 @@ fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, lab
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
     for (k, (equipment, at)) in all.filter(|(e, _)| e.role == Role::Equipment).enumerate() {
-        // The tolerance of a piece that stands on another piece is not along the world axes.
+        // The tolerances of a piece that stands on another piece are along the axes of the lower piece. They
+        // are not shown, because the dimensions are along the world axes.
         let given = if equipment.on.is_none() { equipment.tolerance.0 } else { [0.0; 4] };
         let to = Vector3::new(at.x, at.y, drawing.floor);
         let away = file.height * (5.0 + 3.0 * k as f64);

@@ -241,8 +241,8 @@ fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// Adds arrows of the resultant errors of an operation. The colour of an arrow shows the value of the map in
-/// the sense of the operation.
+/// Adds arrows of the resultant errors of an operation. The colour of an arrow shows the value of the map for
+/// the sense (error component) of the operation.
 fn arrows(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,

@@ -103,7 +103,8 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
 /// base, a piece of equipment or an operation. [`form`] returns the owners and keys.
 pub fn numbers(cell: &Cell, layout: &Layout) -> NumbersRecord {
     let mut all = NumbersRecord::default();
-    // `Cell::layout` visits every coordinate; only the visits are needed here.
+    // `Cell::layout` calls the closure for every coordinate. Only these calls are needed here, not the
+    // returned layout.
     cell.layout(|slot, coordinate| {
         let owner = match slot {
             Slot::Base(_) => &mut all.robot_base,

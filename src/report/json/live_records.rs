@@ -122,7 +122,7 @@ pub struct AnswerNodes {
     pub every: usize,
 }
 
-/// Model and reading under which a cell can be evaluated.
+/// Error model and reading (interpretation of the errors) under which a cell can be evaluated.
 #[derive(Serialize)]
 pub struct LensChoice {
     pub model: Model,

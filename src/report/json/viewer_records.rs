@@ -101,7 +101,7 @@ pub struct PartRecord<'a> {
     pub mesh: usize,
 }
 
-/// Model and reading under which errors are shown.
+/// Error model and reading (interpretation of the errors) under which errors are shown.
 #[derive(Serialize)]
 pub struct LensRecord {
     pub model: Model,
@@ -136,7 +136,7 @@ pub struct FieldRecord<'a> {
 pub struct TakeRecord {
     pub lens: usize,
     pub error: String,
-    /// Values of all nodes: one text per sense, which is the base64 encoding of f32 numbers.
+    /// Values of all nodes: one text per sense. Each text is the base64 encoding of f32 numbers.
     pub values: Vec<String>,
     pub best: Option<usize>,
 }

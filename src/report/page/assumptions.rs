@@ -9,7 +9,7 @@ use crate::record::{caveats, is_guess, reading_word};
 use crate::report::text::{distrust, extrapolation};
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Returns the section on assumptions, which includes the warnings.
+/// Returns the section on the assumptions and the warnings.
 pub fn section(subject: &Subject<'_>) -> Section {
     let cell = subject.cell();
     let mut rows = vec![

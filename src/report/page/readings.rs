@@ -22,7 +22,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Functions that return the figures of a table row, one per column.
+/// Functions that return the error figures of a table row, one per column.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
@@ -40,7 +40,7 @@ fn figures(a: &Assessment<'_>) -> PageTable {
             let mut row =
                 vec![shown(&operation.name), shown(&sense.name), asked.into(), sense.unit.word().into()];
             row.extend(COLUMNS.iter().enumerate().map(|(column, figure)| {
-                // The first figure is the error of the sample itself.
+                // Column 0 shows the error of the sample itself.
                 if column > 0 && a.cell.errors_compensate() { "–".into() } else { number(sense, figure(f)) }
             }));
             rows.push(row);

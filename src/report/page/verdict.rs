@@ -102,7 +102,8 @@ fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
     capital(&format!("{answer}{layout} {works}; {word} of {}", errors.join(", ")))
 }
 
-/// Returns the placements of the equipment in the frame of the robot base, with the room of each piece.
+/// Returns the placements of the equipment in the frame of the robot base, with the room (allowed
+/// displacement) of each piece.
 ///
 /// The robot base comes first if the search places it.
 fn placements(a: &Assessment<'_>) -> Vec<VerdictPlacement> {
@@ -156,7 +157,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// Returns the entry on the objective, the figure that the search minimizes.
+/// Returns the entry on the objective, the value that the search minimizes.
 fn objective(cell: &Cell, value: f64) -> FactEntry {
     let text = told(cell.unit(), value);
     let note = format!("what the optimizer minimizes: {}; {}", summed(cell), reading_in_words(cell));
@@ -181,7 +182,8 @@ fn summed(cell: &Cell) -> String {
     format!("{how}{}{misplaced}", names.join(" and "))
 }
 
-/// Describes the meaning of a figure under the reading.
+/// Describes what the value of the objective means under the reading (interpretation of the errors) of the
+/// cell.
 ///
 /// A statistic over all arms, such as p95, describes the error at one spot. If the objective combines several
 /// spots, the share of arms with a smaller objective is not known.
@@ -307,7 +309,7 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     };
     let (text, note) = match (found.gap_percent, found.bound) {
         (Some(gap), Some(bound)) => (
-            // Rounded up, so that the printed gap is never too small.
+            // The gap is rounded up, so that the printed gap is never too small.
             text::gap(gap),
             format!(
                 "it is proven that no layout within the ranges has an objective below {}{covers}",

@@ -1,4 +1,5 @@
-//! First page: picture, placements, errors against limits, yield and room.
+//! First page: picture, placements, errors against limits, yield, and room (allowed displacement of each
+//! piece).
 
 use super::flow::{LEFT, PageFlow, WIDTH, opened, size};
 use crate::cell::Unit;

@@ -50,7 +50,7 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
     pdf.pages(tree).kids(leaves.iter().map(|[page, _]| *page)).count(leaves.len() as i32);
     for ([leaf, content], (chunk, drawn, (width, height))) in leaves.iter().zip(&converted) {
-        // The objects of a page have the next free numbers.
+        // The PDF objects of a page get the next free object numbers.
         let (first, mut last) = (next.get() - 1, next.get());
         let moved = |old: Ref| Ref::new(first + old.get());
         let chunk = chunk.renumber(|old| {

@@ -144,7 +144,7 @@ impl PageFlow {
         self.y += height + 3.0;
     }
 
-    /// Writes a table, whose rows may continue on the next pages below a repeated head.
+    /// Writes a table. Its rows may continue on the next pages, where the head is repeated.
     pub fn table(&mut self, table: &PageTable) {
         let set = TypesetTable::new(table, WIDTH);
         self.need(set.least_height() + 5.0);

@@ -28,7 +28,8 @@ impl TypesetTable {
     pub fn new(table: &PageTable, room: f64) -> Self {
         let natural = |size: f64| natural_widths(table, size);
         let total = |widths: &[f64]| widths.iter().sum::<f64>() + GAP * widths.len().saturating_sub(1) as f64;
-        // One wide column is broken; a table with many wide columns gets a smaller font.
+        // The texts of a single wide column are broken into lines. If the other columns alone take more than
+        // 60 % of the width, the table gets a smaller font.
         let full = natural(FONT);
         let others = total(&full) - full.iter().copied().fold(0.0, f64::max);
         let size = if total(&full) <= room || others <= 0.6 * room { FONT } else { SMALL };

@@ -1,7 +1,7 @@
 //! Dimensions of the plan and of the front view.
 //!
-//! The plan states the distances from the robot base to the nearest corner of each piece, along world x and
-//! y. The plan also states the yaw of each piece. The front view states the heights.
+//! The plan states the distances from the robot base to the nearest corner of each piece of equipment, along
+//! world x and y. The plan also states the yaw of each piece. The front view states the heights.
 
 use super::SheetView;
 use super::ink::{TextAnchor, TextStyle, put, stroke};
@@ -52,7 +52,8 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
         Some((k, e, at, corner))
     });
     let mark = |(n, (equipment, e, at, corner)): (usize, (usize, &Equipment, &Placement, _))| {
-        // The tolerance of a piece that stands on another piece is not along the world axes.
+        // The tolerances of a piece that stands on another piece are along the axes of the lower piece. They
+        // are not shown, because the dimensions are along the world axes.
         let given = if e.on.is_none() { e.tolerance.0 } else { [0.0; 4] };
         Mark {
             letter: letter(n),
@@ -191,7 +192,7 @@ fn angle(
     }
     // The number is beside the arc, at a free place.
     let wide = NUMBER.width(&said);
-    // Beside a small angle the edge of the piece would cross the number.
+    // Beside a small angle, the edge of the piece would cross the number.
     let lifts =
         if (yaw * ARC).abs() > 4.0 { [0.0, 3.0, -3.0, 6.0, -6.0] } else { [2.4, -3.4, 5.0, -6.0, 8.0] };
     let places = lifts.map(|lift| {

@@ -1,4 +1,5 @@
-//! List of placements next to the views of a sheet: corners, frames, tolerances, spots and room.
+//! List of placements next to the views of a sheet: corners, frames, tolerances, spots and room (allowed
+//! displacement of each piece).
 
 use super::arrangement::{Arrangement, BLOCK};
 use super::dimensions::{Mark, marks};

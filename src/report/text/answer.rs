@@ -1,4 +1,5 @@
-//! Answer of a search or map: placements, errors of the operations, and room of every piece.
+//! Answer of a search or map: placements, errors of the operations, and room (allowed displacement) of every
+//! piece.
 
 use super::compare::margin;
 use super::table::TextTable;
@@ -77,8 +78,8 @@ fn operations(a: &Assessment<'_>) -> String {
     table.render() + &buildability::verdict(a)
 }
 
-/// Returns the room of every piece, and what limits each room. The text also states how far the whole cell
-/// may be rotated about the base axis. The text is empty if there are no regions.
+/// Returns the room (allowed displacement) of every piece, and what limits each room. The text also states
+/// how far the whole cell may be rotated about the base axis. The text is empty if there are no regions.
 fn room(a: &Assessment<'_>) -> String {
     let regions = RegionEntry::all(a);
     if regions.is_empty() {

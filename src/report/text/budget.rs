@@ -22,7 +22,7 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
     };
     let mut out = place_words(&a.context);
     if a.judged.figures[evaluator.own()].worst <= NEGLIGIBLE {
-        // Such an error consists of rounding errors, whose shares have no meaning.
+        // An error this small consists of rounding errors, so the shares of the parameters have no meaning.
         out.push_str(match a.context.situation.site.taught.is_some() {
             true => "  this point was touched to teach the frame: no error remains here\n",
             false => "  no parameter has an effect here\n",

@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Returns the summary of every map, of the motions between the operations, and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
-    // The reasons why a layout is not feasible come before its figures.
+    // The reasons why a layout is not feasible come before its error maps.
     let mut out = super::certificate(a);
     if a.evaluation.objective.is_none() {
         out.push_str(&feasibility(a));

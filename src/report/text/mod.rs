@@ -147,7 +147,7 @@ fn place_words(context: &PostureContext<'_>) -> String {
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
-/// Returns the name of the figure that a tighter tolerance reduces, with the definite article.
+/// Returns the name, with the definite article, of the value that a tighter tolerance reduces.
 fn tightened_word(context: &PostureContext<'_>) -> &'static str {
     match (context.evaluator.reading, context.evaluator.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",

@@ -12,7 +12,7 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };
     let unit = cell.unit();
-    // Rounded down, so that the printed number is a proven bound, too.
+    // The bound is rounded down, so that the printed number is also a proven bound.
     let down = |v: f64| format!("{:.4} {}", (unit.from_si(v) * 1e4).floor() / 1e4, unit.word());
     let mut out =
         format!("proven lower bound: no layout in these ranges has an objective below {}", down(bound));

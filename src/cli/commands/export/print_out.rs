@@ -9,7 +9,7 @@ use crate::report::page::Subject;
 
 /// Writes the PDF, which shows the whole report.
 pub fn print_out(a: &ExportArguments) -> Result<(), Exit> {
-    // With flags or --start, a result folder is replaced by the file of the layout in this folder.
+    // With flags or --start, the layout file inside a result folder is read instead of the whole folder.
     let of =
         if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
     let read = ReportSource::read(&of, &a.packages, &a.question)?;

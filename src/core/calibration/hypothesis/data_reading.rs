@@ -22,9 +22,9 @@ pub struct DataReading {
     /// Root mean square of the distances between measured and nominal positions, m. The worst tenth of the
     /// rows is left out. Base and reflectors are fitted.
     pub rms: f64,
-    /// Root mean square of these distances under the plain reading of the file, m. The plain reading keeps
-    /// the columns, signs and zero offsets of the file. The value is infinite if the positions do not
-    /// determine base and reflectors in the plain reading.
+    /// Root mean square of the distances between measured and nominal positions under the plain reading of
+    /// the file, m. The plain reading keeps the columns, signs and zero offsets of the file. The value is
+    /// infinite if the positions do not determine base and reflectors in the plain reading.
     pub plain_rms: f64,
     /// Fitted pose of the robot base in the frame of the positions.
     pub base: Pose,

@@ -21,7 +21,7 @@ pub struct JointMap {
     /// Offset of every revolute joint, rad: a multiple of 90 degrees.
     pub offsets: [f64; MAX_JOINTS],
     /// Couplings: joint, earlier joint, and factor (1 or -1). The value of the earlier joint times the factor
-    /// is added to the joint.
+    /// is added to the coordinate of the joint.
     pub couplings: [Option<(usize, usize, f64)>; MAX_COUPLINGS],
 }
 

@@ -68,7 +68,7 @@ impl<'c> LinearScore<'c> {
             scored.extend(flipped.iter().map(|map| (self.residual(map, degrees), degrees, *map)));
         }
         keep_best(&mut scored, count);
-        // Combinations add a further assumption to the best maps so far.
+        // Each further map combines one of the best maps so far with one more change.
         let starts: Vec<_> = scored.iter().take(STARTS).copied().collect();
         let single = (0..axes).map(|i| JointMap::PLAIN.flipped(1 << i));
         let atoms: Vec<JointMap> = maps.into_iter().skip(1).chain(single).collect();

@@ -2,8 +2,8 @@
 //!
 //! A hypothesis states the units, the joint to which each column belongs, and whether the position is
 //! mirrored. It also states the signs, zero offsets and coupling of the joints. The plain reading is kept
-//! unless another reading fits clearly better. The convention of the orientations is found after the reading
-//! of the positions.
+//! unless another reading fits clearly better. The convention of the orientations is determined last, once
+//! the interpretation of the positions is known.
 
 mod data_reading;
 mod joint_map;
@@ -33,10 +33,11 @@ const ROWS: usize = 80;
 /// No other hypothesis is tried in this case.
 const GOOD: f64 = 1e-3;
 
-/// Factor by which another hypothesis must reduce the distance of the plain reading.
+/// Least factor by which another hypothesis must reduce the root mean square distance of the plain reading.
 const CLEARLY: f64 = 3.0;
 
-/// Ratio of distances up to which the simpler one of two hypotheses is chosen.
+/// Hypotheses are equally good if their root mean square distances are at most this multiple of the least
+/// one. The simplest of these hypotheses is chosen.
 const AS_GOOD: f64 = 1.05;
 
 /// Least number of rows with which hypotheses about anything but the units are compared.
@@ -52,10 +53,10 @@ const FITTED: usize = 40;
 /// positions are mirrored. It also states the columns, signs, zero offsets and coupling of the joints.
 ///
 /// Other joint maps and mirrored positions are tried under two conditions. There must be at least 8 rows. The
-/// plain map must leave a root mean square distance of at least 0.1 % of `reach` (m). Another reading is
-/// chosen if its root mean square distance is below two thresholds. The thresholds are a third of the
-/// distance that the plain map leaves, and 2 % of `reach`. Returns None if the positions do not determine
-/// base and reflector.
+/// map [`JointMap::PLAIN`] must leave a root mean square distance of at least 0.1 % of `reach` (m). Another
+/// reading is chosen if its root mean square distance is below two thresholds. The thresholds are a third of
+/// the distance that this map leaves, and 2 % of `reach`. Returns None if the positions do not determine base
+/// and reflector.
 pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<DataReading> {
     let some: Vec<_> = spread_out(raw.len(), ROWS).into_iter().map(|k| raw[k]).collect();
     let plain = fitted(chain, &some, reach, &[(true, JointMap::PLAIN), (false, JointMap::PLAIN)], &[false]);
@@ -111,7 +112,8 @@ fn fitted(
     all
 }
 
-/// Returns the reading with its distance and base; None if the data do not determine them.
+/// Returns the reading with its root mean square distance and its fitted base pose. Returns None if the data
+/// do not determine them.
 fn judged(chain: &Chain, raw: &[RawMeasurement], reading: &DataReading) -> Option<DataReading> {
     let measured = raw.iter().map(|m| reading.applied(chain, m));
     let mut pairs: Vec<_> = measured.map(|m| (Deformed::new(chain, &m.joints, &[], &[]), m)).collect();

@@ -17,7 +17,7 @@ pub struct RotationReading {
     pub rms: f64,
 }
 
-/// Angle, rad, above which no convention explains the orientations.
+/// Largest plausible root mean square angle, rad, between measured and nominal orientations.
 const IMPLAUSIBLE: f64 = 0.05;
 
 /// Largest number of rows with which the conventions are compared.
@@ -39,7 +39,7 @@ impl RotationReading {
     }
 }
 
-/// Returns the convention that explains the orientations best; `reading` is the reading of joints and
+/// Returns the convention that explains the orientations best; `reading` is the interpretation of joints and
 /// positions.
 ///
 /// Returns None if there are fewer than four orientations, or if the positions are mirrored.
@@ -76,8 +76,8 @@ pub fn explain_rotations(
 /// rotations B and F.
 ///
 /// Let M_i be the measured and N_i the nominal orientations. Rotations between successive orientations
-/// satisfy `M_i' M_(i+1) = F' (N_i' N_(i+1)) F`. So F rotates the axes of the measured rotations onto the
-/// axes of the nominal rotations.
+/// satisfy `M_i' M_(i+1) = F' (N_i' N_(i+1)) F`, where a prime denotes the transpose. So F rotates the axes
+/// of the measured rotations onto the axes of the nominal rotations.
 fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> {
     let axes = |of: &[Matrix3<f64>]| -> Vec<Vector3<f64>> {
         of.windows(2).map(|pair| doubled_axis(&(pair[0].transpose() * pair[1]))).collect()

@@ -2,8 +2,8 @@
 //!
 //! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. Therefore
 //! no posture at the node has a value ([`ErrorEvaluator::value`]) below this bound. The scalar code judges
-//! single nodes in this order until the least value is below the bounds of all other nodes. The spot is
-//! therefore bit-identical to the spot found by judging every node.
+//! single nodes in ascending order of their bounds, until the least value is below the bounds of all other
+//! nodes. The spot is therefore bit-identical to the spot found by judging every node.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;

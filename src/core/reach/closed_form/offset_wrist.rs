@@ -99,8 +99,8 @@ impl OffsetWrist {
     /// reach. Let P be the intersection of axes 4 and 5. If the first three joints cannot reach P for any
     /// scanned theta_6, the measure is a distance. It is the least distance between P and the points that
     /// these joints reach. Otherwise the measure is the least difference of two cosines over all scanned
-    /// theta_6, times the forearm length r_4. The first is the cosine of the angle between axes 4 and 5. The
-    /// second is the required value of this cosine.
+    /// theta_6, times the forearm length r_4. The first cosine is that of the angle between axes 4 and 5. The
+    /// second cosine is the required value, cos alpha_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

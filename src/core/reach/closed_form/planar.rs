@@ -1,8 +1,8 @@
 //! Closed form of the planar arm: a base yaw, then three parallel axes that move the tool in a vertical
 //! plane. An optional fifth axis rolls the tool about its own axis.
 //!
-//! The robot of the seed paper (Hitachi PW 10-II) belongs to this family. Palletizers are planar arms, too:
-//! their third parallel axis is passive.
+//! The Hitachi PW 10-II belongs to this family. It is the robot of the seed paper, the journal paper from
+//! which this project grew. Palletizers are planar arms, too: their third parallel axis is passive.
 //!
 //! Let s be the signed horizontal distance of the TCP from the base axis in the vertical plane: positive in
 //! front, negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let
@@ -230,9 +230,9 @@ impl PlanarArm {
         missing.max(0.0)
     }
 
-    /// Calls `found` with the branches that differ from a branch only by the spin. The branch is given by its
-    /// index and its posture. `spins` are indices of spins of `attitudes`. The postures equal those of
-    /// [`Self::solve`], bit for bit.
+    /// Calls `found` with the branches that differ from a given branch only by the spin. The tuple holds the
+    /// index and the posture of the given branch. `spins` are indices of spins of `attitudes`. The postures
+    /// equal those of [`Self::solve`], bit for bit.
     pub(in crate::reach) fn spun(
         &self,
         target: &Vector3<f64>,

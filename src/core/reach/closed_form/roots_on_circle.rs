@@ -20,9 +20,8 @@ const MAX_ROOTS: usize = 16;
 const LEAST_WIDTH: f64 = 1e-5;
 /// Width, rad, down to which the scan halves an interval in which a function begins or ends.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
-/// Factor that multiplies the second difference of a function at three angles. If the absolute values at all
-/// three angles exceed the product, the function has no root between the angles. For a parabola, the factor
-/// 1/8 would be enough.
+/// A function has no root between three angles if its absolute values there exceed this factor times its
+/// second difference. For a parabola, the factor 1/8 would be enough.
 const NEAR_ZERO: f64 = 2.0;
 /// Largest second difference of a nearly linear function, as a share of the change of its value.
 const NEARLY_LINEAR: f64 = 0.5;
@@ -52,7 +51,7 @@ pub(super) struct CircleValues {
     /// The third coordinate of the point is the function value plus a constant. A large change of the first
     /// two coordinates shows that the point moves far between two angles.
     pub aside: [(f64, f64); COUNT],
-    /// Measure of how far all functions are from existing at this angle; 0 if a function exists.
+    /// Measure of how nearly a function exists at this angle: 0 if a function exists, otherwise positive.
     pub gap: f64,
 }
 

@@ -208,7 +208,7 @@ impl ThreeParallel {
             z: Vector3::new(s * sa, -c * sa, ca),
             centre: Vector3::new(p.x - a.l * c, p.y - a.l * s, p.z - a.r),
         };
-        // Direction of axis 4, which is z or -z of frame 1, in the last frame before its twist.
+        // Direction of axis 4 (axis z or -z of frame 1), in the axes of frame 6 before its twist alpha_6.
         let w = [x6, y6, z6].map(|axis| self.sense.1 * axis.dot(&side.z));
         let across2 = w[0] * w[0] + w[1] * w[1];
         let Some((cos5, sin5)) = self.twists.turn(w[2], across2) else { return f64::INFINITY };

@@ -124,13 +124,14 @@ impl<'a> Envelope<'a> {
 
     /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
-    /// Joint 1 must rotate about the base axis, upwards or downwards. It must drive no other joint, and the
-    /// required attitude must rotate with it. For the numeric solver, joint 1 must also have a range of at least one turn.
+    /// Joint 1 must rotate about the base axis, and its axis may point upwards or downwards. Joint 1 must
+    /// drive no other joint, and the required attitude must rotate with joint 1. For the numeric solver,
+    /// joint 1 must also have a range of at least one turn.
     ///
     /// A solver for the full pose of the flange samples a free azimuth and a free spin. The sampled angles
     /// are measured from a fixed direction. For such a solver, more conditions apply unless the azimuth is
     /// [`Radial`](crate::cell::Azimuth::Radial). The tool must be exactly vertical. In addition, joint 1 must
-    /// have a range of at least one turn, or the last joint alone must provide a sampled spin anywhere.
+    /// have a range of at least one turn, or the last joint alone must reach a sampled spin in every posture.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };
@@ -161,8 +162,11 @@ impl<'a> Envelope<'a> {
         }
     }
 
-    /// Returns whether a closed form leaves the spin to the last joint alone, and the range of this joint
-    /// contains a sampled free spin in every posture of the other joints.
+    /// Returns whether the last joint alone can give the tool a sampled free spin in every posture of the
+    /// other joints.
+    ///
+    /// The solver must be a closed form that leaves the spin to the last joint. The range of this joint must
+    /// be at least as wide as the distance between neighbouring sampled spins.
     fn last_joint_spins_freely(&self) -> bool {
         let spacing = TAU / Attitude::free_spins().count() as f64;
         let width = self.inverse.chain.links.last().map(|link| link.limits.1 - link.limits.0);

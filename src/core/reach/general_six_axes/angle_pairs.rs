@@ -42,7 +42,8 @@ const SCHUR_ACCURACY: f64 = 1e-14;
 /// Largest number of iterations for the eigenvalues.
 const SCHUR_STEPS: usize = 60;
 
-/// Least squared length of a cross product from which the common root for angle 4 is computed.
+/// The common root for angle 4 is computed from a cross product only if the squared length of the product
+/// exceeds this value.
 ///
 /// The factors of the cross product are the coefficient vectors of two equations. The value is a share of the
 /// fourth power of the length of the longest vector.

@@ -24,8 +24,8 @@ const COSINES: [f64; 7] = [
 /// imaginary parts of all coefficients.
 const ROUNDING: f64 = 1e-16;
 
-/// Threshold of the noise of a polynomial with defined roots. The threshold is a share of the greatest
-/// absolute real or imaginary part of a coefficient.
+/// The roots of a polynomial are defined if its noise is below this threshold. The threshold is a share of
+/// the greatest absolute real or imaginary part of a coefficient.
 const MAX_NOISE: f64 = 1e-10;
 
 /// Trigonometric polynomial: the real part of the sum of `c[k] exp(i k t)` for k from 0 to 8.

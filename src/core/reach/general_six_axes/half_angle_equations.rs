@@ -51,7 +51,7 @@ impl HalfAngleEquations {
     /// 3 x 3 blocks. The remaining eliminations need only matrices of six rows.
     fn determinant(&self, cos: f64, sin: f64) -> f64 {
         let mut first = self.at(cos, sin);
-        // A change of sign occurs in both halves, so it cancels.
+        // A change of sign occurs in both sets of six rows, so it cancels.
         let (product, _) = eliminate_three(&mut first);
         let mut second = [[0.0; 9]; 6];
         for i in 0..3 {

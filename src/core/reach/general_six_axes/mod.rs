@@ -16,9 +16,9 @@
 //! The loop may begin at any joint and run in either direction (`loop_arrangement`).
 //!
 //! 1. The axis of t_5 is a line with the direction l through a point p. A rotation by t_5 moves neither the
-//!    line nor the point. Two transformations place both in the same frame:
-//!    `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1`. The results are equal
-//!    because the loop is closed. A rigid transformation maps the 14 numbers l, p,
+//!    line nor the point. Two transformations bring the line and the point into the same frame:
+//!    `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1`. The two results are
+//!    equal because the loop is closed. A rigid transformation maps the 14 numbers l, p,
 //!    l x p, (p.p) l - 2 (l.p) p, p.p and l.p linearly (`line_coordinates`). This gives 14 equations.
 //! 2. The products of cosines and sines of t_0 and t_1 occur linearly. The elimination of these products
 //!    leaves six equations (`loop_equations`). These equations are linear in 1, cosine and sine of t_2. They
@@ -61,7 +61,7 @@ use pose_problem::{JointSolutions, PoseProblem};
 use scaled_arm::ScaledArm;
 use std::f64::consts::{PI, TAU};
 
-/// Number of trial postures. An arrangement is tested by solving the poses of their flanges.
+/// Number of trial postures. An arrangement is tested on the flange poses of these postures.
 const TRIALS: usize = 16;
 
 /// Least number of trial postures that the solver of an arm must find. One posture may be nearly singular.

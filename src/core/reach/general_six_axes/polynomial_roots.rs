@@ -8,7 +8,7 @@
 use super::circle_polynomial::CirclePolynomial;
 use std::f64::consts::PI;
 
-/// A value differs from zero if it is above this multiple of the noise.
+/// A value certainly differs from zero if its absolute value is above this multiple of the noise.
 const CLEAR: f64 = 30.0;
 
 /// An interval is not halved, and all its roots count as one root, if its half width is below this value,

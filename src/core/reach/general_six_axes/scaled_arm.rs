@@ -64,8 +64,7 @@ impl ScaledArm {
         Pose { translation: pose.translation / self.length, ..*pose }
     }
 
-    /// Returns the distance, in units of the arm's length, of the origin of frame 5 beyond its sphere of
-    /// reach.
+    /// Returns how far the origin of frame 5 lies outside its sphere of reach, in units of the arm's length.
     ///
     /// The result is at most 0 inside the sphere, and NaN or infinite if the pose is not finite.
     pub fn beyond_reach(&self, target: &Pose) -> f64 {

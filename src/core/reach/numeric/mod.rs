@@ -95,8 +95,8 @@ impl Numeric {
         if self.spans(&goal) {
             for (tried, (number, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
                 if tried == STARTS_BEFORE_REACH && distinct.found.is_empty() {
-                    // Most goals that so many descents miss are out of reach. A few full descents decide
-                    // this.
+                    // Most goals that so many descents miss are out of reach. A few full descents show
+                    // whether this goal is out of reach.
                     if let Some(by) = self.out_of_reach(&goal, &mut frames) {
                         return Shortfall::OutOfReach { by };
                     }
@@ -124,7 +124,7 @@ impl Numeric {
     /// Repeats the descent that led to a solution of [`Self::all`]. Returns this solution; None if the
     /// descent fails.
     ///
-    /// `start` is [`NumericSolution::start`].
+    /// `start` is the field [`NumericSolution::start`] of this solution.
     pub fn again(&self, goal: &TcpGoal, start: usize) -> Option<JointVector> {
         let goal = goal.checked()?;
         let mut frames = Frames::default();

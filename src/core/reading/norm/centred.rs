@@ -6,7 +6,7 @@
 //! linearly in each ratio. The interpolated value exceeds the function by less than the share [`CURVATURE`].
 //! The first lower bound is smaller than the interpolated value by this share. The mean as a function of a
 //! ratio has an infinite slope at the ratio 0. The function is concave there, so the interpolated value is
-//! below it.
+//! below the function.
 //!
 //! The figure never decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
 //! So the sample at the next smaller ratios is a second lower bound. The greater of the two lower bounds

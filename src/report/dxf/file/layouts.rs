@@ -33,7 +33,7 @@ impl DxfFile {
         [142, 143].into_iter().for_each(|scale| out.real(scale, 1.0));
         // Bit 1024 marks model space. Plot type 5 plots the layout, and plot type 0 the displayed part.
         out.put(70, if is_paper { 0 } else { 1024 });
-        // Millimetres, not rotated.
+        // Plot units are millimetres, and the plot is not rotated.
         out.put(72, 1);
         out.put(73, 0);
         out.put(74, if is_paper { 5 } else { 0 });

@@ -1,6 +1,6 @@
 // The picture on the page, with its labels and legend, and the times at which it is drawn.
 
-/** Time between two pictures above which drawing counts as slow, and as interrupted, ms. */
+/** Times between two pictures, ms: above the first, drawing is slow; above the second, it is interrupted. */
 const SLOW = 60;
 const INTERRUPTED = 400;
 
