@@ -91,10 +91,10 @@ impl Data {
     fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
         let mut unknowns = unknowns(&self.chain, terms.is_elastic);
         let mut priors: Vec<_> =
-            unknowns.iter().map(|u: &Unknown| u.default_prior() * terms.prior_factor).collect();
+            unknowns.iter().map(|u: &Unknown| u.default_prior(&self.chain) * terms.prior_factor).collect();
         if terms.orders > 0 {
             unknowns.extend(harmonics(&self.chain, terms.orders));
-            priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior()));
+            priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior(&self.chain)));
         }
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
@@ -304,7 +304,7 @@ fn plan(data: &Data) {
         others.map(|other| mean(&result.tested(&data.series[other]).expect("a test").0.distances) * 1e3)
     };
     let unknowns = unknowns(&data.chain, true);
-    let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
+    let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior(&data.chain)).collect();
     let intended = IntendedCalibration {
         chain: &data.chain,
         unknowns: &unknowns,

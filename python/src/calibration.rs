@@ -148,7 +148,7 @@ pub fn calibrate(
         unknowns.extend(
             harmonics.map(|orders| self::harmonics(&chain, usize::from(orders))).into_iter().flatten(),
         );
-        let priors: Vec<f64> = unknowns.iter().map(|unknown| unknown.default_prior()).collect();
+        let priors: Vec<f64> = unknowns.iter().map(|unknown| unknown.default_prior(&chain)).collect();
         let calibration = fitted(&chain, &sessions, &unknowns, &priors)?;
         let pairs = sessions.iter().zip(&calibration.sessions);
         let calibrated =

@@ -6,6 +6,12 @@
 /// Length of an inch, m.
 pub const INCH: f64 = 0.0254;
 
+/// Length of a centimetre, m.
+pub const CENTIMETRE: f64 = 1e-2;
+
+/// Length of a micrometre, m.
+pub const MICROMETRE: f64 = 1e-6;
+
 /// Length of a millimetre, m.
 pub const MILLIMETRE: f64 = 1e-3;
 

@@ -62,7 +62,7 @@ pub struct MisfitEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutlierRow {
-    /// Row of the file, counted from 1 without the header.
+    /// Line of the file, counted from 1.
     pub row: usize,
     /// Distance of the measured from the predicted position, mm.
     pub distance_mm: f64,

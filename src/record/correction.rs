@@ -34,6 +34,8 @@ pub struct CorrectionDocument {
 pub struct CommandedJoint {
     pub name: String,
     pub unit: Unit,
+    /// Whether the joint has no actuator. Tables for people leave out passive joints.
+    pub passive: bool,
 }
 
 /// Whether a target is corrected, or why not.
@@ -109,9 +111,16 @@ impl CorrectionDocument {
             robot: cell.robot.name.clone(),
             errors: cell.error_set().name().into(),
             registration: cell.registration,
-            joints: joints.map(|j| CommandedJoint { name: j.name.clone(), unit: unit(j.kind) }).collect(),
+            joints: joints
+                .map(|j| CommandedJoint { name: j.name.clone(), unit: unit(j.kind), passive: j.is_passive() })
+                .collect(),
             targets,
         }
+    }
+
+    /// Returns the joints with an actuator, each with its index in the lists of joint coordinates.
+    pub fn driven(&self) -> impl Iterator<Item = (usize, &CommandedJoint)> {
+        self.joints.iter().enumerate().filter(|(_, joint)| !joint.passive)
     }
 }
 

@@ -50,7 +50,7 @@ pub struct ComparedFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedPosition {
-    /// Row of the file, counted from 1 without the header.
+    /// Line of the file, counted from 1.
     pub row: usize,
     /// Number of the reflector, counted from 1.
     pub reflector: usize,
@@ -124,7 +124,7 @@ pub struct RepeatsEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatedPostureEntry {
-    /// Row of the file with the first visit, counted from 1 without the header.
+    /// Line of the file with the first visit, counted from 1.
     pub row: usize,
     pub visits: usize,
     /// Position of the reflector for the nominal robot, in the base frame.

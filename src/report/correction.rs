@@ -10,8 +10,7 @@ use crate::record::{CorrectionDocument, CorrectionEntry};
 /// Fails if the csv writer fails, which is not expected because it writes to memory.
 pub fn csv(document: &CorrectionDocument) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let joints = document.joints.iter().enumerate();
-    let joints = joints.map(|(k, joint)| match joint.unit {
+    let joints = document.driven().enumerate().map(|(k, (_, joint))| match joint.unit {
         Unit::Length => format!("q{}_mm", k + 1),
         _ => format!("q{}_deg", k + 1),
     });
@@ -22,14 +21,14 @@ pub fn csv(document: &CorrectionDocument) -> Result<Vec<u8>, String> {
     let header = first.map(String::from).chain(joints).chain(middle.chain(last).map(String::from));
     put(&mut writer, &header.collect::<Vec<_>>())?;
     for entry in &document.targets {
-        put(&mut writer, &row(entry, document.joints.len()))?;
+        put(&mut writer, &row(entry, document))?;
     }
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-fn row(entry: &CorrectionEntry, axes: usize) -> Vec<String> {
+fn row(entry: &CorrectionEntry, document: &CorrectionDocument) -> Vec<String> {
     let mut cells = vec![inert(&entry.operation), inert(&target(entry)), entry.state.name().into()];
-    cells.extend((0..axes).map(|k| or_empty(entry.joints.as_ref().map(|q| q[k]))));
+    cells.extend(document.driven().map(|(i, _)| or_empty(entry.joints.as_ref().map(|q| q[i]))));
     let command = entry.command.as_ref();
     cells.extend((0..3).map(|k| or_empty(command.map(|c| c.position_mm[k]))));
     cells.extend((0..3).map(|k| or_empty(command.map(|c| c.rpy_deg[k]))));

@@ -154,3 +154,22 @@ fn a_target_out_of_reach_does_not_converge() {
     let found = corrected(&chain, &robot.home, &far, |f| pose_error(f, &none, Model::Nonlinear));
     assert!(!found.converged && found.rest.position.norm() > 3.0, "{found:?}");
 }
+
+#[test]
+fn a_passive_joint_is_never_beyond_its_limits() {
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let mut count = 0;
+    for (name, robot) in robots() {
+        let chain = Chain::new(&robot);
+        if !chain.links.iter().any(|link| link.is_passive()) {
+            continue;
+        }
+        for _ in 0..200 {
+            let q = random_joints(&robot, &mut rng);
+            let (_, found) = corrected_with(&robot, &chain, &q, &random_errors(&robot, &mut rng));
+            assert!(found.beyond.is_none_or(|joint| !chain.links[joint].is_passive()), "{name}: {found:?}");
+            count += usize::from(found.beyond.is_none());
+        }
+    }
+    assert!(count > 20, "{count} corrections within the limits");
+}

@@ -231,3 +231,23 @@ fn suspect_rows_are_found_in_any_unit() {
         assert_eq!(suspect, wanted);
     }
 }
+
+/// Controllers of palletizers state four joints. Their passive joint has no column, or a meaningless one.
+#[test]
+fn the_column_of_a_passive_joint_does_not_matter() {
+    let simulated = Simulated::new("abb_irb460");
+    let passive: Vec<usize> =
+        (0..simulated.chain.axes()).filter(|&i| simulated.chain.links[i].is_passive()).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let postures: Vec<_> = (0..40).map(|_| simulated.posture(&mut rng)).collect();
+    let write = |q: &mut JointVector, _: &mut Vector3<f64>| {
+        passive.iter().for_each(|&i| q[i] = 50.0 + q[0]);
+    };
+    let raw = simulated.file(&postures, &write, 3);
+    let reading = explain(&simulated.chain, &raw, simulated.robot.reach()).unwrap();
+    assert!(reading.is_plain() && reading.rms < 10.0 * NOISE, "{reading:?}");
+    assert!(
+        !passive.is_empty()
+            && passive.iter().all(|&i| reading.applied(&simulated.chain, &raw[0]).joints[i] == 0.0)
+    );
+}

@@ -8,10 +8,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, Normal};
 use sweetspot::calibration::{
-    Calibration, Deformed, MeasuredPosition, MeasuringSession, RawMeasurement, Unknown, calibrate, explain,
-    harmonics, unknowns,
+    Calibration, Deformed, MeasuredPosition, MeasuringSession, RawMeasurement, Unknown, aligned, calibrate,
+    explain, gross_errors, harmonics, unknowns,
 };
-use sweetspot::cell::{JointVector, Parameter, Robot};
+use sweetspot::cell::{JointKind, JointVector, Parameter, Robot};
+use sweetspot::kinematic_error::{ParameterSet, identifiable};
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 
@@ -29,8 +30,8 @@ fn without_tool(mut robot: Robot) -> Robot {
 }
 
 /// Returns values of the unknowns, drawn from their prior distribution.
-fn truth(unknowns: &[Unknown], rng: &mut ChaCha8Rng) -> Vec<f64> {
-    unknowns.iter().map(|u| u.default_prior() * normal(rng)).collect()
+fn truth(chain: &Chain, unknowns: &[Unknown], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    unknowns.iter().map(|u| u.default_prior(chain) * normal(rng)).collect()
 }
 
 /// Returns positions that an instrument measures at random postures, with noise (m) on every axis.
@@ -64,12 +65,12 @@ fn session(
     MeasuringSession { name: "simulated".into(), measured: measured.collect() }
 }
 
-fn default_priors(unknowns: &[Unknown]) -> Vec<f64> {
-    unknowns.iter().map(|u| u.default_prior()).collect()
+fn default_priors(chain: &Chain, unknowns: &[Unknown]) -> Vec<f64> {
+    unknowns.iter().map(|u| u.default_prior(chain)).collect()
 }
 
 fn calibrated(chain: &Chain, session: &MeasuringSession, unknowns: &[Unknown]) -> Calibration {
-    calibrate(chain, std::slice::from_ref(session), unknowns, &default_priors(unknowns)).unwrap()
+    calibrate(chain, std::slice::from_ref(session), unknowns, &default_priors(chain, unknowns)).unwrap()
 }
 
 /// The reference is a product of textbook matrices, whose dual part is the derivative.
@@ -82,7 +83,7 @@ fn the_deformed_chain_and_its_derivatives_agree_with_dual_numbers() {
         let all = Parameter::of_robot(robot.axes()).take(Parameter::first_elastic(robot.axes()));
         let all: Vec<_> = all.collect();
         let rows: Vec<_> = all[..5 * robot.axes()].iter().map(|p| Unknown::Row(*p)).collect();
-        let values = truth(&rows, &mut rng);
+        let values = truth(&chain, &rows, &mut rng);
         let q = chain.halton_sample(rng.random_range(0..1000));
         let deformed = Deformed::new(&chain, &q, &rows, &values);
         for (k, unknown) in rows.iter().enumerate() {
@@ -182,7 +183,8 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
     let mean = variances.sum::<f64>() / 4000.0;
     let stated = result.variance_of_periodic_error(1) + beside[(zero, zero)];
     assert!(high - low <= 6.0 && (stated / mean - 1.0).abs() < 0.05, "{stated:e} {mean:e}");
-    let expected: f64 = result.harmonics_of(3).map(|i| i.unknown.default_prior().powi(2)).sum::<f64>() / 2.0;
+    let expected: f64 =
+        result.harmonics_of(3).map(|i| i.unknown.default_prior(&chain).powi(2)).sum::<f64>() / 2.0;
     let [found, of_other_joint] = [1, 3].map(|joint| result.periodic_variance(joint) / expected);
     assert!(of_other_joint < 0.5 && found > 2.0 * of_other_joint, "{found}, {of_other_joint}");
 }
@@ -197,7 +199,7 @@ fn identified_parameters_of_simulated_arms_lie_in_their_intervals() {
         let chain = Chain::new(&without_tool(robot));
         for draw in 0..7 {
             let unknowns = unknowns(&chain, draw % 2 == 1);
-            let truth = truth(&unknowns, &mut rng);
+            let truth = truth(&chain, &unknowns, &mut rng);
             let session = session(&chain, &unknowns, &truth, 60, 3e-5, 10 * k as u64 + draw);
             let result = calibrated(&chain, &session, &unknowns);
             for (identified, truth) in result.identified.iter().zip(&truth).filter(|(i, _)| i.is_identified())
@@ -238,7 +240,7 @@ fn units_and_joint_signs_of_measured_data_are_found() {
     let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
     let chain = Chain::new(&without_tool(robot.clone()));
     let unknowns = unknowns(&chain, false);
-    let truth = truth(&unknowns, &mut ChaCha8Rng::seed_from_u64(8));
+    let truth = truth(&chain, &unknowns, &mut ChaCha8Rng::seed_from_u64(8));
     let clean = session(&chain, &unknowns, &truth, 60, 1e-5, 4);
     for (degrees, unit) in [(true, 0.0254), (false, 1e-3), (true, 1.0)] {
         for flipped in [&[][..], &[1, 4], &[2]] {
@@ -268,7 +270,7 @@ fn several_reflectors_share_one_base() {
     let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
     let chain = Chain::new(&without_tool(robot));
     let unknowns = unknowns(&chain, false);
-    let truth = truth(&unknowns, &mut ChaCha8Rng::seed_from_u64(21));
+    let truth = truth(&chain, &unknowns, &mut ChaCha8Rng::seed_from_u64(21));
     let mut session = session(&chain, &unknowns, &truth, 50, 0.0, 6);
     let rotation = Rotation3::from_euler_angles(0.02, -0.01, 2.0).into_inner();
     let base = Pose { rotation, translation: Vector3::new(3.0, -2.0, 0.4) };
@@ -295,4 +297,99 @@ fn several_reflectors_share_one_base() {
         assert!((identified.value - truth).abs() < 1e-5, "{:?}", identified.unknown);
     }
     assert!(result.sessions[0].distances.len() == 150 && result.residual < 1e-7);
+}
+
+#[test]
+fn gross_errors_are_found_and_all_other_positions_are_kept() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot));
+    let unknowns = unknowns(&chain, false);
+    let truth = truth(&chain, &unknowns, &mut ChaCha8Rng::seed_from_u64(5));
+    let clean = session(&chain, &unknowns, &truth, 120, 2e-5, 9);
+    let found = |change: &dyn Fn(&mut [MeasuredPosition])| {
+        let mut session = clean.clone();
+        change(&mut session.measured);
+        let all = gross_errors(&chain, &[session], &unknowns, &default_priors(&chain, &unknowns)).remove(0);
+        let mut rows: Vec<_> = all.iter().map(|error| error.row).collect();
+        rows.sort_unstable();
+        rows
+    };
+    let lost = |all: &mut [MeasuredPosition]| all[30].position = Vector3::zeros();
+    let displaced = |all: &mut [MeasuredPosition]| all[50].position.x += 0.04;
+    let typed = |all: &mut [MeasuredPosition]| all[70].joints[2] += 0.17;
+    assert_eq!(found(&|_| ()), [0; 0]);
+    assert_eq!(found(&lost), [31]);
+    assert_eq!(found(&displaced), [51]);
+    assert_eq!(found(&typed), [71]);
+    let all_three = |all: &mut [MeasuredPosition]| {
+        lost(all);
+        displaced(all);
+        typed(all);
+    };
+    assert_eq!(found(&all_three), [31, 51, 71]);
+    // If many positions are wrong, the model does not fit the session, and no position is left out.
+    let many = |all: &mut [MeasuredPosition]| all.iter_mut().take(30).for_each(|m| m.position.y += 0.5);
+    assert_eq!(found(&many), [0; 0]);
+}
+
+/// A parameter is absorbed if base and reflectors can be fitted to the arm with this error without residuals.
+#[test]
+fn exactly_the_parameters_that_base_and_reflectors_absorb_are_no_unknowns() {
+    const ERROR: f64 = 1e-5;
+    let places = [REFLECTOR, Vector3::new(-0.1, 0.02, 0.05), Vector3::new(0.0, 0.12, 0.01)];
+    let mut absorbed = 0;
+    for (name, robot) in robots() {
+        let chain = Chain::new(&without_tool(robot));
+        let chosen = unknowns(&chain, false);
+        for parameter in identifiable(&chain, ParameterSet::FiveParameter) {
+            let unknown = Unknown::Row(parameter);
+            let (mut poses, mut measured) = (Vec::new(), Vec::new());
+            for k in 0..30 {
+                let joints = chain.halton_sample(k + 100);
+                let actual = Deformed::new(&chain, &joints, &[unknown], &[ERROR]).interface;
+                for (reflector, place) in places.iter().enumerate() {
+                    let position = actual.transform(place);
+                    let (rotation, sigma) = (None, None);
+                    measured.push(MeasuredPosition {
+                        row: k + 1,
+                        joints,
+                        reflector,
+                        position,
+                        rotation,
+                        sigma,
+                    });
+                    poses.push(Deformed::new(&chain, &joints, &[], &[]));
+                }
+            }
+            let frames = aligned(&poses, &measured).unwrap();
+            let pairs = poses.iter().zip(&measured);
+            let largest =
+                pairs.map(|(pose, m)| frames.residual(&pose.interface, m).norm()).fold(0.0, f64::max);
+            assert_eq!(
+                chosen.contains(&unknown),
+                largest > 1e-3 * ERROR,
+                "{name} {parameter:?}: {largest:e} m"
+            );
+            absorbed += usize::from(!chosen.contains(&unknown));
+        }
+    }
+    assert!(absorbed > 100, "{absorbed} absorbed parameters");
+}
+
+#[test]
+fn default_priors_have_the_unit_of_their_joints() {
+    let mut slides = 0;
+    for (name, robot) in robots() {
+        let chain = Chain::new(&robot);
+        for (i, link) in chain.links.iter().enumerate() {
+            let prior = Unknown::Row(Parameter::Dq(i)).default_prior(&chain);
+            let expected = match link.kind {
+                JointKind::Revolute => 0.5_f64.to_radians(),
+                JointKind::Prismatic => 0.5e-3,
+            };
+            assert!((prior - expected).abs() < 1e-15, "{name}: joint {i} has the prior {prior}");
+            slides += usize::from(link.kind == JointKind::Prismatic);
+        }
+    }
+    assert!(slides >= 2);
 }

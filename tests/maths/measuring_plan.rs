@@ -20,8 +20,8 @@ fn chain_of(name: &str) -> Chain {
     Chain::new(&robot)
 }
 
-fn priors(unknowns: &[Unknown]) -> Vec<f64> {
-    unknowns.iter().map(|u| u.default_prior()).collect()
+fn priors(chain: &Chain, unknowns: &[Unknown]) -> Vec<f64> {
+    unknowns.iter().map(|u| u.default_prior(chain)).collect()
 }
 
 fn samples(chain: &Chain, range: std::ops::Range<usize>) -> Vec<JointVector> {
@@ -96,7 +96,7 @@ fn the_expected_error_of_a_plan_agrees_with_plain_linear_algebra() {
     for name in ["ur10", "hitachi_pw10", "adept_cobra_s600", "franka_panda"] {
         let chain = chain_of(name);
         let unknowns = unknowns(&chain, true);
-        let priors = priors(&unknowns);
+        let priors = priors(&chain, &unknowns);
         let error = UnmodelledError::default();
         let plan = IntendedCalibration {
             chain: &chain,
@@ -134,7 +134,7 @@ fn a_plan_is_nearly_as_good_as_the_best_of_all_choices() {
     let (mut best_of_all, mut count, mut ratios) = (0, 0, Vec::new());
     for case in 0..12 {
         let some: Vec<_> = all.iter().skip(case % 5).step_by(4).copied().collect();
-        let priors = priors(&some);
+        let priors = priors(&chain, &some);
         let error = UnmodelledError { length: 0.7 + 0.1 * case as f64, ..UnmodelledError::default() };
         let plan = IntendedCalibration {
             chain: &chain,
@@ -163,7 +163,7 @@ fn a_plan_is_nearly_as_good_as_the_best_of_all_choices() {
 fn no_exchange_of_one_pose_improves_a_plan_and_the_first_pose_tells_most() {
     let chain = chain_of("ur10");
     let unknowns = unknowns(&chain, true);
-    let priors = priors(&unknowns);
+    let priors = priors(&chain, &unknowns);
     let error = UnmodelledError::default();
     let plan = IntendedCalibration {
         chain: &chain,
@@ -201,7 +201,7 @@ fn no_exchange_of_one_pose_improves_a_plan_and_the_first_pose_tells_most() {
 fn a_plan_does_not_measure_the_same_posture_twice() {
     let chain = chain_of("ur10");
     let unknowns = unknowns(&chain, false);
-    let priors = priors(&unknowns);
+    let priors = priors(&chain, &unknowns);
     let error = UnmodelledError { own: 1e-5, ..UnmodelledError::default() };
     let plan = IntendedCalibration {
         chain: &chain,

@@ -92,7 +92,7 @@ fn measured_and_predicted_vectors_are_errors_without_what_the_fit_takes_up() {
         cell(ErrorSet::Signed(SignedErrors::of_values("none".into(), 6, &[0.0; 200])), Reading::Signed);
     let chain = Chain::new(&nominal.robot);
     let unknowns = unknowns(&chain, true);
-    let truth: Vec<f64> = unknowns.iter().map(|u| 0.3 * u.default_prior() * normal(&mut rng)).collect();
+    let truth: Vec<f64> = unknowns.iter().map(|u| 0.3 * u.default_prior(&chain) * normal(&mut rng)).collect();
     let postures = postures(&chain, 40, &mut rng);
     let session = session(&chain, &postures, (&unknowns, &truth), (0.0, &mut rng));
     let place = |q: &JointVector, values: &[f64], by: &[f64; 9]| {
@@ -139,8 +139,8 @@ fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
     let mut rng = ChaCha8Rng::seed_from_u64(95);
     let chain = Chain::new(&from_text(&cell_of_robot("ur10")).unwrap().cell.robot);
     let unknowns = unknowns(&chain, true);
-    let sigmas: Vec<f64> = unknowns.iter().map(|u| 0.1 * u.default_prior()).collect();
-    let mean: Vec<f64> = unknowns.iter().map(|u| 0.5 * u.default_prior() * normal(&mut rng)).collect();
+    let sigmas: Vec<f64> = unknowns.iter().map(|u| 0.1 * u.default_prior(&chain)).collect();
+    let mean: Vec<f64> = unknowns.iter().map(|u| 0.5 * u.default_prior(&chain) * normal(&mut rng)).collect();
     let spread = |sigma: f64| Spread { sigmas: 1.0, ..Spread::of_magnitude(sigma) };
     let spread = Tolerance {
         name: "measured".into(),

@@ -15,7 +15,7 @@ pub fn assumed(
 ) -> Result<(Vec<Unknown>, Vec<f64>), Exit> {
     let all = unknowns(chain, a.elastic);
     let Some(name) = &a.prior else {
-        return Ok(all.into_iter().map(|unknown| (unknown, unknown.default_prior())).unzip());
+        return Ok(all.into_iter().map(|unknown| (unknown, unknown.default_prior(chain))).unzip());
     };
     let Some(set) = robot.errors.iter().find(|set| set.name() == name) else {
         let names = robot.errors.iter().map(|set| set.name());
@@ -27,7 +27,7 @@ pub fn assumed(
             let place = Parameter::of_robot(robot.axes()).position(|p| p == *parameter);
             place.map_or(0.0, |k| spreads[k].deviation())
         }
-        Unknown::Elastic { .. } | Unknown::Harmonic { .. } => unknown.default_prior(),
+        Unknown::Elastic { .. } | Unknown::Harmonic { .. } => unknown.default_prior(chain),
     };
     let with_prior = all.into_iter().map(|unknown| (unknown, deviation(&unknown)));
     let known: (Vec<_>, Vec<_>) = with_prior.filter(|(_, deviation)| *deviation > 0.0).unzip();

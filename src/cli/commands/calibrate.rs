@@ -6,14 +6,23 @@ use super::measuring_plan::{choose, measuring_plan};
 use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::{suggest, suggest_with};
-use crate::calibration::{MeasuringSession, calibrate as fitted, drawn, harmonics};
+use crate::calibration::{
+    GrossError, MeasuringSession, Unknown, calibrate as fitted, drawn, gross_errors, harmonics,
+};
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, json_text, loading, output};
+use crate::files::shown;
 use crate::record::{CalibratedFile, CalibrationDocument, TestedFile};
 use crate::report;
 use crate::robot::Chain;
+use crate::units::{mm_from_m, rounded};
 use std::time::Instant;
+
+/// Least rms error, mm, of a calibrated arm at which a warning compares the arm with the nominal arm.
+const POOR_MM: f64 = 1.0;
+/// Share of the nominal rms error above which a calibrated arm is hardly better than the nominal arm.
+const HARDLY: f64 = 0.7;
 
 /// Runs `sweetspot calibrate`.
 pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
@@ -46,9 +55,10 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     }
     let begun = Instant::now();
     let (mut unknowns, mut priors) = assumed(&robot, &chain, a)?;
+    leave_out_gross_errors(&chain, &mut sessions, &unknowns, &priors);
     if let Some(orders) = a.harmonics.map(usize::from) {
         unknowns.extend(harmonics(&chain, orders));
-        priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior()));
+        priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior(&chain)));
     }
     let bar = output::spinner("identifying the errors");
     let calibration = fitted(&chain, &sessions, &unknowns, &priors);
@@ -64,6 +74,9 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     let tested = tests.iter().filter_map(|session| TestedFile::new(&chain, session, &calibration));
     let (calibrated, tested) = (calibrated.collect(), tested.collect());
     let document = CalibrationDocument::new(&robot, &calibration, calibrated, tested, seconds);
+    if let Some(warning) = hardly_better(&document.sessions) {
+        output::talk(&warning);
+    }
     if let Some(path) = &a.svg {
         let drawn = report::chart::joint_residuals(&robot, &sessions, &calibration.sessions);
         loading::write_whole(path, drawn.as_bytes())?;
@@ -85,6 +98,41 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         suggest_with(&format!("calibrate {} {} --toml", path_word(&a.robot), words(a)), &a.packages);
     }
     Ok(Exit::Done)
+}
+
+/// Leaves out measured positions with gross errors, and warns of each.
+fn leave_out_gross_errors(
+    chain: &Chain,
+    sessions: &mut [MeasuringSession],
+    unknowns: &[Unknown],
+    priors: &[f64],
+) {
+    let all = gross_errors(chain, sessions, unknowns, priors);
+    for (session, errors) in sessions.iter_mut().zip(all) {
+        session.measured.retain(|m| !errors.iter().any(|error| error.is_at(m)));
+        for GrossError { row, distance, .. } in errors {
+            output::talk(&format!(
+                "warning: {}: line {row} is {} mm from its prediction, far more than the other positions; it is \
+                 left out of the fit",
+                shown(&session.name),
+                rounded(mm_from_m(distance), 3)
+            ));
+        }
+    }
+}
+
+/// Returns a warning if the calibrated arm explains the positions hardly better than the nominal arm.
+fn hardly_better(files: &[CalibratedFile]) -> Option<String> {
+    let poor = files
+        .iter()
+        .find(|file| file.after.rms_mm > POOR_MM && file.after.rms_mm > HARDLY * file.before.rms_mm)?;
+    Some(format!(
+        "warning: {}: the calibrated arm (rms {} mm) predicts the positions hardly better than the nominal arm \
+         (rms {} mm); check the signs, zeros and order of the joint columns, and the robot file",
+        shown(&poor.file),
+        rounded(poor.after.rms_mm, 3),
+        rounded(poor.before.rms_mm, 3)
+    ))
 }
 
 /// Returns the tables and the options of the fit as typed on a command line.

@@ -14,6 +14,7 @@ use crate::files::measured::{
 use crate::files::{Fault, FileContent, shown};
 use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Columns of the tables of measured positions, as the command line states them.
@@ -43,8 +44,8 @@ pub fn session(
         table.notes.iter().for_each(|note| output::talk(&format!("  note: {note}")));
         warn_of_suspects(&name, &suspect);
         output::talk(&format!(
-            "  help: check the robot, the columns and the joint zeros; every unit, sign, order, zero and coupling \
-             of the joints was tried, and the smallest rms distance of measured from nominal positions is {rms}"
+            "  help: check the robot, the columns and the joint zeros; the units mm, m and inch, deg and rad, and \
+             every sign, order, zero and coupling of the joints were tried, and the smallest rms distance of measured from nominal positions is {rms}"
         ));
         return Err(Exit::BadInput);
     };
@@ -63,7 +64,7 @@ pub fn session(
     });
     let measured: Vec<_> = measured.collect();
     warn_of_suspects(&name, &suspect);
-    let still = still_joints(chain.axes(), &measured);
+    let still = still_joints(chain, &measured);
     let still: Vec<_> = still.iter().map(|&k| shown(&robot.joints[k].name)).collect();
     if !still.is_empty() {
         output::talk(&format!(
@@ -78,13 +79,32 @@ pub fn session(
     })
 }
 
+/// Reads the table of a file. A table may leave out the passive joints of the arm.
 fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<MeasuredTable, Exit> {
     let text = text(path)?;
     let other = options.joints.map(|path| Ok((path.to_string_lossy().into_owned(), self::text(path)?)));
     let other = other.transpose()?;
     let other = other.as_ref().map(|(file, text)| JointTable { file, text });
-    let joints: Vec<_> = joints.iter().map(|joint| joint.name.as_str()).collect();
-    read_table(&path.to_string_lossy(), &text, &joints, options.columns, other).map_err(|faults| {
+    let read = |joints: &[&Joint]| {
+        let names: Vec<_> = joints.iter().map(|joint| joint.name.as_str()).collect();
+        read_table(&path.to_string_lossy(), &text, &names, options.columns, other)
+    };
+    let whole = read(&joints.iter().collect::<Vec<_>>());
+    let active: Vec<usize> = (0..joints.len()).filter(|&i| !joints[i].is_passive()).collect();
+    let holds_passive = |table: &MeasuredTable| {
+        let moves = |i: usize| {
+            let all = table.rows.iter().map(|row| row.numbers.joints[i].to_bits());
+            all.collect::<HashSet<_>>().len() > 1
+        };
+        !(0..joints.len()).any(|i| joints[i].is_passive() && moves(i))
+    };
+    if active.len() < joints.len() && !whole.as_ref().is_ok_and(holds_passive) {
+        let own: Vec<_> = active.iter().map(|&i| &joints[i]).collect();
+        if let Ok(table) = read(&own) {
+            return Ok(table.with_joints_at(&active, joints.len()));
+        }
+    }
+    whole.map_err(|faults| {
         output::faults(&faults);
         Exit::BadInput
     })
@@ -120,7 +140,10 @@ fn angles_in_words(degrees: bool) -> &'static str {
 
 /// Returns a description of the columns of a table and their units.
 fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataReading) -> String {
-    let listed = |names: &[String]| names.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
+    let listed = |names: &[String]| {
+        let stated = names.iter().filter(|name| !name.is_empty());
+        stated.map(|name| shown(name)).collect::<Vec<_>>().join(", ")
+    };
     let mut said = format!(
         "{name}: {} positions; joints {} in {}; position {} in {}",
         positions,
@@ -270,10 +293,10 @@ fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
         let more = if rows.len() > first.len() { ", ..." } else { "" };
         let first = first.join(", ");
         output::talk(&match rows.len() {
-            1 => format!("warning: {name}: row {first} repeats {what}, and is left out{help}"),
+            1 => format!("warning: {name}: line {first} repeats {what}, and is left out{help}"),
             count => {
                 format!(
-                    "warning: {name}: {count} rows repeat {what}, and are left out (rows {first}{more}){help}"
+                    "warning: {name}: {count} rows repeat {what}, and are left out (lines {first}{more}){help}"
                 )
             }
         });

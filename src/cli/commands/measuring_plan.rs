@@ -73,7 +73,7 @@ fn written(
     })?;
     let is_stdout = |path: &Path| path.as_os_str() == "-";
     let csv = a.planning.csv.as_deref();
-    let text = || report::text::measuring_plan(document);
+    let text = || report::text::measuring_plan(&cell.robot, document);
     match csv {
         Some(path) if is_stdout(path) && !a.json => {
             output::talk(&text());

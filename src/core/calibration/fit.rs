@@ -67,10 +67,15 @@ impl<'a> Fit<'a> {
 
     /// Returns the fit to all positions except `left_out`, with the variances of the present fit.
     ///
-    /// A single Newton step is exact up to second-order terms of the change, because errors are small.
-    /// Returns None if the remaining positions do not determine the unknowns.
-    pub fn without(&self, all: &NormalEquations, left_out: &[MeasuringSession]) -> Option<Self> {
-        let left_out = NormalEquations::of_positions(&self.state, left_out, 1.0);
+    /// A single step is exact up to second-order terms of the change, because errors are small. `all` holds
+    /// the equations of all positions, and the share of the curvature that they contain: 1 for a Newton step,
+    /// 0 for a Gauss-Newton step. Returns None if the remaining positions do not determine the unknowns.
+    pub fn without(
+        &self,
+        (all, newton): (&NormalEquations, f64),
+        left_out: &[MeasuringSession],
+    ) -> Option<Self> {
+        let left_out = NormalEquations::of_positions(&self.state, left_out, newton);
         let (step, covariance) = all.without(&left_out).with_expectations(&self.state, 0.0).solution()?;
         let mut state = self.state.clone();
         state.take_step(step.as_slice());
@@ -125,7 +130,7 @@ impl<'a> Fit<'a> {
         };
         // Far from the minimum, the Hessian can be indefinite.
         let Some((step, covariance)) = solution(1.0).or_else(|| solution(0.0)) else {
-            return Err("the measured positions do not determine base and reflector".into());
+            return Err("the measured positions do not determine the pose of the robot base and the positions of the reflectors".into());
         };
         self.covariance = covariance;
         let relative = step.iter().zip(&state.priors).map(|(by, prior)| (by / prior).abs());

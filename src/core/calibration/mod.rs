@@ -24,6 +24,7 @@ mod accuracy;
 mod deformed;
 mod fit;
 mod fit_state;
+mod gross_errors;
 mod harmonics;
 mod hypothesis;
 mod known_harmonics;
@@ -40,10 +41,12 @@ mod stated;
 mod suspect;
 mod taken_up;
 mod unknown;
+mod unknowns;
 mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
+pub use gross_errors::{GrossError, gross_errors};
 pub use harmonics::harmonics;
 pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
@@ -57,4 +60,5 @@ pub use session::{MeasuredPosition, MeasuringSession, drawn};
 pub use stated::{errors_between, errors_of_frames, no_errors, nominal_frames};
 pub use suspect::{SuspectRows, still_joints};
 pub use taken_up::{PositionJacobians, jacobian, taken_up};
-pub use unknown::{Identified, Unknown, unknowns};
+pub use unknown::{Identified, Unknown};
+pub use unknowns::unknowns;

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 /// Measured position of one reflector at one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPosition {
-    /// Row of the file, counted from 1.
+    /// Line of the file, counted from 1. Positions of several reflectors at one posture may share a line.
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,

@@ -3,6 +3,7 @@
 use super::raw::RawMeasurement;
 use super::session::MeasuredPosition;
 use crate::cell::MAX_JOINTS;
+use crate::robot::Chain;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
@@ -75,7 +76,9 @@ fn range(measured: &[MeasuredPosition], value: impl Fn(&MeasuredPosition) -> f64
     most - least
 }
 
-/// Returns the joints, counted from 0, whose coordinates are nearly the same in all rows.
-pub fn still_joints(axes: usize, measured: &[MeasuredPosition]) -> Vec<usize> {
-    (0..axes).filter(|joint| range(measured, |m| m.joints[*joint]) < STILL).collect()
+/// Returns the joints, counted from 0, whose coordinates are nearly the same in all rows. Passive joints are
+/// left out.
+pub fn still_joints(chain: &Chain, measured: &[MeasuredPosition]) -> Vec<usize> {
+    let active = (0..chain.axes()).filter(|&joint| !chain.links[joint].is_passive());
+    active.filter(|joint| range(measured, |m| m.joints[*joint]) < STILL).collect()
 }

@@ -1,8 +1,7 @@
-//! Parameters that a calibration identifies, and their prior standard deviations.
+//! Parameter that a calibration identifies, and its prior standard deviation.
 
-use crate::cell::{JointKind, MAX_JOINTS, Parameter};
-use crate::kinematic_error::{ParameterSet, identifiable};
-use crate::robot::{Chain, lever};
+use crate::cell::{JointKind, Parameter};
+use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 
 /// Error parameter of a robot that a calibration identifies.
@@ -39,52 +38,6 @@ impl Identified {
     }
 }
 
-/// A lever is ignored if it is below this share of the largest lever.
-const SHORT_LEVER: f64 = 1.0 / 6.0;
-
-/// Returns the unknowns of a chain, with the elastic terms if `elastic` is true.
-///
-/// A revolute joint has an elastic term for each link that it carries and whose lever is long. A lever is
-/// long if it exceeds a sixth of the longest lever of the arm. The calibration also finds base and reflector
-/// of every session. Base and reflector absorb some errors, which are therefore not unknowns. These are the
-/// errors dq and dr of a revolute first joint. All errors of the last row are absorbed too, except dq of a
-/// prismatic last joint.
-pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
-    let last = chain.axes() - 1;
-    let is_free = |parameter: &Parameter| match *parameter {
-        Parameter::Dq(i) | Parameter::Dr(i) if i == 0 => chain.links[i].kind != JointKind::Revolute,
-        Parameter::Dq(i) => i != last || chain.links[i].kind != JointKind::Revolute,
-        Parameter::Dr(i) | Parameter::Dl(i) | Parameter::Dalpha(i) | Parameter::Dbeta(i) => i != last,
-        _ => false,
-    };
-    let rows = identifiable(chain, ParameterSet::FiveParameter).into_iter().filter(is_free);
-    let rows = rows.map(Unknown::Row);
-    match elastic {
-        true => rows.chain(elastic_terms(chain)).collect(),
-        false => rows.collect(),
-    }
-}
-
-/// Number of sampled postures in which the levers of the links about the joints are compared.
-const POSTURES: usize = 200;
-
-fn elastic_terms(chain: &Chain) -> Vec<Unknown> {
-    let axes = chain.axes();
-    let mut longest = [[0.0_f64; MAX_JOINTS]; MAX_JOINTS];
-    for k in 0..POSTURES {
-        let frames = chain.frames(&chain.posture(&chain.halton_sample(k)));
-        for joint in (0..axes).filter(|&j| chain.links[j].kind == JointKind::Revolute) {
-            for (link, longest) in longest[joint].iter_mut().enumerate().take(axes).skip(joint) {
-                *longest = longest.max(lever(&frames, joint, link).abs());
-            }
-        }
-    }
-    let short = SHORT_LEVER * longest.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
-    let terms = (0..axes).flat_map(|joint| (joint..axes).map(move |link| (joint, link)));
-    let terms = terms.filter(|&(joint, link)| longest[joint][link] > short);
-    terms.map(|(joint, link)| Unknown::Elastic { joint, link }).collect()
-}
-
 impl Unknown {
     /// Returns whether the unknown is a coefficient of a periodic error.
     pub const fn is_harmonic(self) -> bool {
@@ -93,12 +46,13 @@ impl Unknown {
 
     /// Returns the default prior standard deviation, m, rad or rad/m.
     ///
-    /// The values are assumptions of this library: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1
-    /// degrees for twists, and 3 mrad/m for elastic terms. The value for a coefficient of a harmonic is 0.15
-    /// mrad up to order 4, and 0.075 mrad above order 4.
-    pub fn default_prior(self) -> f64 {
+    /// The values are assumptions of this library: 0.5 mm for lengths and for the zeros of prismatic joints,
+    /// 0.5 degrees for the zeros of revolute joints, 0.1 degrees for twists, and 3 mrad/m for elastic terms.
+    /// The value for a coefficient of a harmonic is 0.15 mrad up to order 4, and 0.075 mrad above order 4.
+    pub fn default_prior(self, chain: &Chain) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
+            Self::Row(Parameter::Dq(i)) if chain.links[i].kind == JointKind::Prismatic => m_from_mm(0.5),
             Self::Row(Parameter::Dq(_)) => rad_from_deg(0.5),
             Self::Row(_) => rad_from_deg(0.1),
             Self::Elastic { .. } => 3e-3,

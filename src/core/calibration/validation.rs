@@ -4,6 +4,7 @@ use super::fit::{Fit, Residual};
 use super::normal_equations::NormalEquations;
 use super::session::{MeasuredPosition, MeasuringSession};
 use crate::cell::MAX_JOINTS;
+use std::cell::OnceCell;
 
 /// Number of blocks of the joint space.
 const BLOCKS: usize = 8;
@@ -14,6 +15,7 @@ const BLOCKS: usize = 8;
 pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Residual> {
     let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
     let all = NormalEquations::of_positions(&fit.state, sessions, 1.0);
+    let gauss_newton = OnceCell::new();
     let mut residuals = Vec::new();
     for left_out in 0..BLOCKS {
         let split = |keep: bool| -> Vec<MeasuringSession> {
@@ -32,7 +34,12 @@ pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Resi
             continue;
         }
         let left_out = split(false);
-        let Some(fit) = fit.without(&all, &left_out) else { continue };
+        // The Hessian without the block can be indefinite. The Gauss-Newton matrix is never indefinite.
+        let without = fit.without((&all, 1.0), &left_out).or_else(|| {
+            let all = gauss_newton.get_or_init(|| NormalEquations::of_positions(&fit.state, sessions, 0.0));
+            fit.without((all, 0.0), &left_out)
+        });
+        let Some(fit) = without else { continue };
         for (s, session) in left_out.iter().enumerate() {
             residuals.extend(fit.residuals(&session.measured, s));
         }

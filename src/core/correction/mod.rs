@@ -62,8 +62,7 @@ pub fn corrected(
     target: &Pose,
     mut error: impl FnMut(&Frames) -> Displacement,
 ) -> Correction {
-    let active: Vec<usize> =
-        (0..chain.axes()).filter(|&i| chain.links[i].limits.0 < chain.links[i].limits.1).collect();
+    let active: Vec<usize> = (0..chain.axes()).filter(|&i| !chain.links[i].is_passive()).collect();
     let (mut joints, mut steps, mut is_still) = (*start, 0, false);
     loop {
         let frames = chain.frames(&chain.posture(&joints));
@@ -93,7 +92,8 @@ fn rest_of(target: &Pose, tcp: &Pose, error: &Displacement) -> Displacement {
     Displacement { position: tcp.translation - target.translation + error.position, rotation }
 }
 
-/// Returns the index of the joint that exceeds its limits by the largest share of its travel.
+/// Returns the index of the joint that exceeds its limits by the largest share of its travel. A passive joint
+/// has no travel and is left out.
 ///
 /// Returns None if all joints are within their limits.
 fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {
@@ -101,6 +101,7 @@ fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {
         let (low, high) = chain.links[i].limits;
         (low - joints[i]).max(joints[i] - high) / (high - low)
     };
-    let all = (0..chain.axes().min(MAX_JOINTS)).filter(|&i| excess(i) > 0.0);
+    let active = (0..chain.axes().min(MAX_JOINTS)).filter(|&i| !chain.links[i].is_passive());
+    let all = active.filter(|&i| excess(i) > 0.0);
     all.max_by(|&a, &b| excess(a).total_cmp(&excess(b)))
 }

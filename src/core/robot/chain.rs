@@ -34,6 +34,11 @@ impl Link {
     pub fn pose(&self, cos: f64, sin: f64, r: f64) -> Pose {
         step(&Pose::identity(), self, cos, sin, r)
     }
+
+    /// Returns whether the joint is passive: its limits leave it only one coordinate.
+    pub fn is_passive(&self) -> bool {
+        self.limits.0 == self.limits.1
+    }
 }
 
 /// One configuration of the chain: cosine, sine and axial offset `r` (m) of every D-H row.

@@ -34,6 +34,13 @@ pub struct FoundColumns {
     pub angle_unit: Option<StatedUnit>,
     /// Unit of the positions, if the column names or a line of units state it.
     pub length_unit: Option<StatedUnit>,
+    /// Factors that convert the joint columns to the units of the table. A factor is 1 unless both the column
+    /// and the positions have stated units of length.
+    pub joint_factors: Vec<f64>,
+    /// Factor that converts the positions to [`Self::length_unit`].
+    pub position_factor: f64,
+    /// Factor that converts the uncertainty to [`Self::length_unit`].
+    pub uncertainty_factor: f64,
     /// Unit of the angles of orientations, if the column names or a line of units state it.
     pub rotation_unit: Option<StatedUnit>,
 }
@@ -109,7 +116,7 @@ impl<'h> TableNames<'h> {
     pub fn find_joints(&self, is_numbered: bool) -> Result<(Vec<usize>, Option<StatedUnit>), ColumnFault> {
         self.refuse_unknown_quantities()?;
         let joints = self.joints(is_numbered)?;
-        let unit = joints.iter().find_map(|&k| self.words[k].unit);
+        let unit = self.angle_unit(&joints);
         Ok((joints, unit))
     }
 
@@ -125,17 +132,35 @@ impl<'h> TableNames<'h> {
         let rotation =
             if reflectors.len() == 1 && !is_numbered { self.rotation(&joints, place[0]) } else { None };
         let unit = |places: &[usize]| places.iter().find_map(|&k| self.words[k].unit);
+        let length = |unit: Option<StatedUnit>| unit.and_then(StatedUnit::length);
+        let stated = unit(&place).filter(|unit| unit.length().is_some());
+        let length_unit = stated.map(StatedUnit::of_table);
+        let factor =
+            |k: usize| length(self.words[k].unit).zip(length(length_unit)).map_or(1.0, |(a, b)| a / b);
+        let uncertainty = self.uncertainty();
+        let uncertainty_factor = match &uncertainty {
+            Some((places, _)) if self.words[places[0]].unit.is_some() => factor(places[0]),
+            _ => factor(place[0]),
+        };
         let reflector = self.header.iter().position(|name| REFLECTOR_NAMES.contains(&&*name.to_lowercase()));
         Ok(FoundColumns {
-            uncertainty: self.uncertainty(),
+            uncertainty,
+            uncertainty_factor,
+            joint_factors: joints.iter().map(|&k| factor(k)).collect(),
+            position_factor: factor(place[0]),
             reflector: reflector.filter(|k| !joints.contains(k)),
-            angle_unit: unit(&joints),
-            length_unit: unit(&place),
+            angle_unit: self.angle_unit(&joints),
+            length_unit,
             rotation_unit: rotation.as_ref().and_then(|(_, places)| unit(places)),
             joints,
             reflectors,
             rotation,
         })
+    }
+
+    /// Returns the unit of angles that a joint column states.
+    fn angle_unit(&self, joints: &[usize]) -> Option<StatedUnit> {
+        joints.iter().find_map(|&k| self.words[k].unit.filter(|unit| unit.length().is_none()))
     }
 
     fn quantities(&self) -> impl Iterator<Item = String> {
@@ -176,7 +201,8 @@ impl<'h> TableNames<'h> {
 
     fn missing(&self, quantity: &str) -> ColumnFault {
         let is_joint = quantity.starts_with('q');
-        let other = if is_joint { "; joints in another table are read with --joints FILE" } else { "" };
+        let other =
+            if is_joint { "; if another table holds the joint coordinates, add --joints FILE" } else { "" };
         (format!("no column is recognized as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
     }
 
@@ -313,9 +339,12 @@ impl<'h> TableNames<'h> {
         };
         let axes = ["x", "y", "z"].iter().map(|axis| column(&[axis])).collect::<Option<Vec<_>>>();
         let places = axes.or_else(|| column(&[]).map(|k| vec![k]))?;
-        // U95 and U are expanded uncertainties: two standard deviations.
+        // The GUM writes a standard uncertainty as u, and an expanded uncertainty (two standard deviations) as
+        // U. An uncertainty in words is usually the expanded uncertainty of a certificate.
         let word = self.words[places[0]].uncertain.as_deref()?;
         let is_error = ["error", "err", "dev", "residual", "rms"].contains(&word);
-        (!is_error).then_some((places, if word.starts_with('u') { 2.0 } else { 1.0 }))
+        let is_standard = word == "u" && self.header[places[0]].contains('u');
+        let is_expanded = word.starts_with('u') && !is_standard;
+        (!is_error).then_some((places, if is_expanded { 2.0 } else { 1.0 }))
     }
 }

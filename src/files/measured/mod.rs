@@ -47,6 +47,22 @@ pub struct MeasuredTable {
     pub notes: Vec<String>,
 }
 
+impl MeasuredTable {
+    /// Returns the table for an arm with `axes` joints. Joint k of the present table becomes joint `places[k]`.
+    /// All other joints get the coordinate 0 and an empty column name.
+    pub fn with_joints_at(mut self, places: &[usize], axes: usize) -> Self {
+        for row in &mut self.rows {
+            let joints = std::mem::take(&mut row.numbers.joints);
+            places.iter().enumerate().for_each(|(k, &place)| row.numbers.joints[place] = joints[k]);
+        }
+        let mut names = vec![String::new(); axes];
+        let own = self.joints.into_iter();
+        places.iter().zip(own).for_each(|(&place, name)| names[place] = name);
+        self.joints = names;
+        self
+    }
+}
+
 /// Largest number of columns of a table.
 const MAX_COLUMNS: usize = 100_000;
 

@@ -1,12 +1,16 @@
 //! Names of columns, split into words and a unit.
 
+use crate::units::{CENTIMETRE, INCH, MICROMETRE, MILLIMETRE};
+
 /// Unit that a file states for a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StatedUnit {
     Degree,
     Radian,
     Metre,
+    Centimetre,
     Millimetre,
+    Micrometre,
     Inch,
 }
 
@@ -16,10 +20,35 @@ impl StatedUnit {
             "deg" | "degree" | "degrees" | "grad" | "°" => Self::Degree,
             "rad" | "radian" | "radians" => Self::Radian,
             "m" | "meter" | "metre" | "meters" => Self::Metre,
+            "cm" | "centimeter" | "centimetre" => Self::Centimetre,
             "mm" | "millimeter" | "millimetre" => Self::Millimetre,
+            "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometer" | "micrometre" => {
+                Self::Micrometre
+            }
             "in" | "inch" | "inches" => Self::Inch,
             _ => return None,
         })
+    }
+
+    /// Returns the size of a unit of length, m; None for a unit of angles.
+    pub fn length(self) -> Option<f64> {
+        match self {
+            Self::Degree | Self::Radian => None,
+            Self::Metre => Some(1.0),
+            Self::Centimetre => Some(CENTIMETRE),
+            Self::Millimetre => Some(MILLIMETRE),
+            Self::Micrometre => Some(MICROMETRE),
+            Self::Inch => Some(INCH),
+        }
+    }
+
+    /// Returns the unit in which the reader of tables gives lengths of this unit. Centimetres and micrometres
+    /// become millimetres.
+    pub fn of_table(self) -> Self {
+        match self {
+            Self::Centimetre | Self::Micrometre => Self::Millimetre,
+            unit => unit,
+        }
     }
 }
 

@@ -11,7 +11,8 @@ pub struct ReflectorColumns {
     pub position: [usize; 3],
 }
 
-/// Returns the position columns of one reflector, or of all numbered reflectors. The order of preference is:
+/// Returns the position columns of one reflector, or of all reflectors that differ in a number (`smr1`) or in
+/// the last letter of a word (`nestA`). The order of preference is:
 /// measured positions, positions without a stated origin, commanded positions.
 pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     let mut groups: Vec<(PositionGroup, [Option<usize>; 3])> = Vec::new();
@@ -31,16 +32,20 @@ pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     let Some((first, place)) = whole.first().cloned() else { return Vec::new() };
     let one = ReflectorColumns { name: String::new(), position: place };
     let shape = first.shape();
-    if !shape.contains(&"#") {
-        return vec![one];
-    }
-    let alike = whole.iter().filter(|(key, _)| key.origin == first.origin && key.shape() == shape);
+    let is_alike = |key: &PositionGroup| match shape.contains(&"#") {
+        true => key.shape() == shape,
+        false => key.differs_in_last_letters(&first),
+    };
+    let alike = whole.iter().filter(|(key, _)| key.origin == first.origin && is_alike(key));
     let mut alike: Vec<_> = alike
         .map(|(key, position)| ReflectorColumns { name: key.words.join(""), position: *position })
         .collect();
     alike.sort_by_key(|columns| columns.position[0]);
     if alike.len() == 1 { vec![one] } else { alike }
 }
+
+/// Least length, bytes, of the common beginning of two words that name different reflectors.
+const LEAST_STEM: usize = 3;
 
 /// Words of a column name without the axis word. The three columns of a position agree in these words.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -55,6 +60,14 @@ impl PositionGroup {
     fn shape(&self) -> Vec<&str> {
         let is_number = |word: &str| word.chars().all(|c| c.is_ascii_digit());
         self.words.iter().map(|word| if is_number(word) { "#" } else { word }).collect()
+    }
+
+    /// Returns whether the words of two groups are equal except for the last letter of long words.
+    fn differs_in_last_letters(&self, other: &Self) -> bool {
+        let stem = |word: &str| word.char_indices().next_back().map_or(0, |(at, _)| at);
+        let is_alike =
+            |(a, b): (&String, &String)| a == b || stem(a) >= LEAST_STEM && a[..stem(a)] == b[..stem(b)];
+        self.words.len() == other.words.len() && self.words.iter().zip(&other.words).all(is_alike)
     }
 }
 

@@ -102,13 +102,17 @@ impl RowReader<'_, '_> {
         let joints = match self.joints {
             Some(all) => all[k],
             None => joint_fields(&fields, &self.found.joints, &self.grid.header)
+                .map(|mut q| {
+                    q.iter_mut().zip(&self.found.joint_factors).for_each(|(q, factor)| *q *= factor);
+                    q
+                })
                 .map_err(|why| faults.push(why))
                 .ok(),
         };
         let mut positions = Vec::new();
         for (reflector, columns) in self.found.reflectors.iter().enumerate() {
             match position(&columns.position, &numbers) {
-                Ok(Some(position)) => positions.push((reflector, position)),
+                Ok(Some(position)) => positions.push((reflector, position * self.found.position_factor)),
                 Ok(None) => {}
                 Err(place) => {
                     faults.push(not_a_number(fields.get(place).unwrap_or(&""), &self.grid.header[place]));
@@ -120,7 +124,8 @@ impl RowReader<'_, '_> {
         let (rotation, sigma) = (self.rotation(&numbers), self.sigma(&numbers));
         for (reflector, position) in positions {
             let reflector = self.reflector(reflector, &fields);
-            let numbers = MeasuredPosition { row: k + 1, joints, reflector, position, rotation: None, sigma };
+            let row = line.number;
+            let numbers = MeasuredPosition { row, joints, reflector, position, rotation: None, sigma };
             self.rows.push(RawMeasurement { numbers, rotation });
         }
         faults
@@ -157,7 +162,8 @@ impl RowReader<'_, '_> {
         let (places, deviations) = self.found.uncertainty.as_ref()?;
         let all = places.iter().map(|&k| numbers.get(k)?.number()).collect::<Option<Vec<_>>>()?;
         let square = all.iter().map(|u| u * u).sum::<f64>() / all.len() as f64;
-        Some(square.sqrt() / deviations).filter(|sigma| *sigma > 0.0 && *sigma < TOO_FAR)
+        let sigma = square.sqrt() * self.found.uncertainty_factor / deviations;
+        Some(sigma).filter(|sigma| *sigma > 0.0 && *sigma < TOO_FAR)
     }
 
     fn finished(self) -> ReadRows {

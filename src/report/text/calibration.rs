@@ -56,7 +56,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
         ),
         None => writeln!(
             out,
-            "\nCross-validation: there are too few positions for a fit that leaves out a block."
+            "\nCross-validation: not available, because without any block of positions some unknowns are not determined."
         ),
     };
     out.push_str("\nParameters\n");
@@ -76,8 +76,8 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     out.push_str(&parameters.render());
     let _ = writeln!(
         out,
-        "\nRank {} of {}: the number of parameter combinations whose standard deviation the data reduce to \
-         less than half.",
+        "\nRank {} of {}: the data reduce the standard deviation of this many parameter combinations to less \
+         than half.",
         document.rank,
         document.parameters.len()
     );
@@ -121,7 +121,12 @@ fn outlier_rows(file: &str, outliers: &[OutlierRow]) -> String {
         worst.iter().take(SHOWN_OUTLIERS).map(|o| format!("{} ({} mm)", o.row, fixed(o.distance_mm, 3)));
     let rows: Vec<_> = rows.collect();
     let dots = if worst.len() > SHOWN_OUTLIERS { ", ..." } else { "" };
-    format!("  outliers of {}, {} rows: {}{dots}\n", shown(file), outliers.len(), rows.join(", "))
+    format!(
+        "  outliers of {}, {} positions, by line of the file: {}{dots}\n",
+        shown(file),
+        outliers.len(),
+        rows.join(", ")
+    )
 }
 
 /// Returns the errors that a file states, parameter by parameter.

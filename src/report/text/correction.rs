@@ -14,7 +14,7 @@ pub fn correction(document: &CorrectionDocument) -> String {
     let known: Vec<&CorrectionEntry> = document.targets.iter().filter(|t| t.joints.is_some()).collect();
     let number = |value: Option<f64>, digits| value.map_or(String::new(), |v| fixed(v, digits));
     let mut joints = TextTable::indented(2);
-    let names = document.joints.iter().enumerate().map(|(k, joint)| match joint.unit {
+    let names = document.driven().enumerate().map(|(k, (_, joint))| match joint.unit {
         Unit::Length => format!("q{} mm", k + 1),
         _ => format!("q{} deg", k + 1),
     });
@@ -25,8 +25,8 @@ pub fn correction(document: &CorrectionDocument) -> String {
     errors.row(["", "target", "before mm", "deg", "remains mm", "deg", "random rms mm", "deg", "state"]);
     for entry in &known {
         let (operation, target) = (shown(&entry.operation), shown(&target(entry)));
-        let all = entry.joints.iter().flatten();
-        joints.labelled(&operation, &target, all.map(|q| fixed(*q, 4)));
+        let all = entry.joints.iter().flat_map(|q| document.driven().map(|(i, _)| q[i]));
+        joints.labelled(&operation, &target, all.map(|q| fixed(q, 4)));
         if let Some(command) = &entry.command {
             let pose = command.position_mm.iter().chain(&command.rpy_deg);
             poses.labelled(&operation, &target, pose.map(|v| fixed(*v, 4)));

@@ -2,12 +2,13 @@
 
 use super::fixed;
 use super::table::TextTable;
+use crate::cell::Robot;
 use crate::files::shown;
 use crate::record::MeasuringPlanDocument;
 use std::fmt::Write;
 
-/// Returns the poses of a plan and the expected error before and after the measurement.
-pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
+/// Returns the poses of a plan (without passive joints) and the expected error before and after the measurement.
+pub fn measuring_plan(robot: &Robot, document: &MeasuringPlanDocument) -> String {
     let (expected, tried) = (&document.expected, &document.tried);
     let mut out = format!(
         "{}: {} poses to calibrate {}, chosen among {} ({} others collide, {} are hidden)\n\n",
@@ -18,13 +19,13 @@ pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
         tried.colliding,
         tried.hidden
     );
-    let axes = document.poses.first().map_or(0, |pose| pose.joints.len());
+    let active: Vec<usize> = (0..robot.axes()).filter(|&i| !robot.joints[i].is_passive()).collect();
     let mut table = TextTable::indented(1);
-    let joints = (1..=axes).map(|k| format!("q{k}"));
+    let joints = (1..=active.len()).map(|k| format!("q{k}"));
     let heads = ["reflector x", "y", "z"].map(String::from);
     table.row(["pose".to_string()].into_iter().chain(joints).chain(heads));
     for planned in &document.poses {
-        let joints = planned.joints.iter().map(|q| fixed(*q, 2));
+        let joints = active.iter().map(|&i| fixed(planned.joints[i], 2));
         let place = planned.reflector_mm.map(|mm| fixed(mm, 1));
         table.row([planned.pose.to_string()].into_iter().chain(joints).chain(place));
     }

@@ -373,9 +373,9 @@ fn suspect_rows_are_left_out_with_words() {
     lines.insert(42, format!("1,2,3,4,5,6,{position}"));
     let said = explained(&shop, "suspect.csv", (lines.join("\n") + "\n").as_bytes(), &[], 60);
     for words in [
-        "row 63 repeats an earlier row",
-        "row 31 repeats the joint coordinates",
-        "row 42 repeats the position",
+        "line 64 repeats an earlier row",
+        "line 32 repeats the joint coordinates",
+        "line 43 repeats the position",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
@@ -418,4 +418,82 @@ fn hostile_tables_are_refused_in_words() {
     refused("odd.csv", &[0xff, 0xfe, 0x00, 0xd8, 0x41, 0x00], "UTF-16");
     refused("quotes.csv", format!("{PLAIN}\n\"\"\"\"\"\"\n").as_bytes(), "no row of numbers");
     refused("same.csv", format!("{PLAIN}\n{}", row(9).repeat(50)).as_bytes(), "");
+}
+
+/// Every column may state its own unit of length, and u means a standard uncertainty.
+#[test]
+fn lengths_in_several_units_are_converted_to_the_unit_of_the_positions() {
+    let read = |text: &str| {
+        let joints = ["q1", "q2", "q3", "q4"];
+        sweetspot::files::measured::read("t.csv", text, &joints, &[], None)
+            .unwrap_or_else(|f| panic!("{f:#?}"))
+    };
+    let head = "q1 [deg],q2 [deg],q3 [mm],q4 [deg]";
+    let of =
+        |position: &str| read(&format!("{head},{position}\n10,20,100,30,0.5,0.6,0.7,20\n")).rows[0].numbers;
+    let metres = of("x [m],y [m],z [m],u [um]");
+    assert!((metres.joints[2] - 0.1).abs() < 1e-15 && metres.joints[0] == 10.0, "{metres:?}");
+    assert!((metres.sigma.unwrap() - 20e-6).abs() < 1e-18, "{metres:?}");
+    let expanded = of("x [m],y [m],z [m],U95 [um]");
+    assert!((expanded.sigma.unwrap() - 10e-6).abs() < 1e-18, "{expanded:?}");
+    // Centimetres become millimetres.
+    let centimetres = of("x [cm],y [cm],z [cm],sigma [cm]");
+    assert!((centimetres.position - Vector3::new(5.0, 6.0, 7.0)).norm() < 1e-12, "{centimetres:?}");
+    assert!(
+        (centimetres.joints[2] - 100.0).abs() < 1e-12 && centimetres.sigma == Some(200.0),
+        "{centimetres:?}"
+    );
+    let inches = of("x [inch],y [inch],z [inch],sigma");
+    assert!((inches.joints[2] - 100.0 / 25.4).abs() < 1e-12 && inches.sigma == Some(20.0), "{inches:?}");
+    // Without a stated unit, no number is converted.
+    assert_eq!(of("x,y,z,sigma").joints[2], 100.0);
+}
+
+#[test]
+fn reflectors_may_differ_in_the_last_letter_of_their_names() {
+    let columns = |a: &str, b: &str| {
+        let of = |name: &str| ["x", "y", "z"].map(|axis| format!("{name}.{axis}")).join(",");
+        let text = format!("q1,q2,{},{}\n1,2,3,4,5,6,7,8\n", of(a), of(b));
+        sweetspot::files::measured::read("t.csv", &text, &["q1", "q2"], &[], None).unwrap().reflectors.len()
+    };
+    assert_eq!(columns("nestA", "nestB"), 2);
+    assert_eq!(columns("smr1", "smr2"), 2);
+    assert_eq!(columns("tracker", "station"), 1);
+}
+
+/// The controller of a palletizer states four joints; the passive joint of the arm has no column.
+#[test]
+fn a_table_may_leave_out_passive_joints() {
+    use sweetspot::calibration::Deformed;
+    let shop = Sandbox::new();
+    let robot = crate::common::robots().into_iter().find(|(name, _)| name == "abb_irb460").unwrap().1;
+    let chain = sweetspot::robot::Chain::new(&robot);
+    let active: Vec<usize> = (0..chain.axes()).filter(|&i| !chain.links[i].is_passive()).collect();
+    assert_eq!((active.len(), chain.axes()), (4, 5));
+    let write = |header: &str, extra: bool| {
+        let mut text = header.to_string();
+        for k in 0..60 {
+            let q = chain.halton_sample(k + 5);
+            let at =
+                Deformed::new(&chain, &q, &[], &[]).interface.transform(&Vector3::new(0.1, 0.05, -0.2)) * 1e3;
+            let joints = active.iter().map(|&i| format!("{:.7}", q[i].to_degrees()));
+            let external = extra.then(|| "50".to_string());
+            let noise = |axis: usize| 0.02 * (1.7 * (3 * k + axis) as f64).sin();
+            let position = at.iter().enumerate().map(|(axis, v)| format!("{:.6}", v + 500.0 + noise(axis)));
+            writeln!(text, "{}", joints.chain(external).chain(position).collect::<Vec<_>>().join(","))
+                .unwrap();
+        }
+        text
+    };
+    for (name, text) in [
+        ("four.csv", write("q1,q2,q3,q4,x,y,z\n", false)),
+        ("without_names.csv", write("", false)),
+        ("with_external_axis.csv", write("q1,q2,q3,q4,q5,x,y,z\n", true)),
+    ] {
+        shop.write(name, &text);
+        let ran = shop.done(&["calibrate", "abb_irb460", name, "--json"]);
+        let before = number(&items(&ran.document()["sessions"])[0]["before"]["rms_mm"]);
+        assert!(before < 0.05, "{name}: {before} mm: {}", ran.err);
+        assert!(!ran.err.contains("leveller") && !ran.err.contains("are added"), "{name}: {}", ran.err);
+    }
 }

@@ -45,7 +45,8 @@ impl JointMap {
     };
 
     /// Returns the actuator coordinates, rad or m, for the joint columns `raw` of one row. The flag `degrees`
-    /// is true if angles are in degrees. `unit` is the size in m of the file's unit of length.
+    /// is true if angles are in degrees. `unit` is the size in m of the file's unit of length. A passive
+    /// joint, whose limits are equal, keeps its only coordinate.
     pub fn applied(&self, chain: &Chain, raw: &JointVector, degrees: bool, unit: f64) -> JointVector {
         let mut values = [0.0; MAX_JOINTS];
         for (i, link) in chain.links.iter().enumerate() {
@@ -60,6 +61,8 @@ impl JointMap {
         for (joint, earlier, factor) in self.couplings.iter().flatten() {
             joints[*joint] += factor * values[*earlier];
         }
+        let passive = chain.links.iter().enumerate().filter(|(_, link)| link.is_passive());
+        passive.for_each(|(i, link)| joints[i] = link.limits.0);
         joints
     }
 

@@ -1,0 +1,112 @@
+//! Gross errors: measured positions that do not belong to their posture, such as a lost beam or a typing error.
+//!
+//! A few gross errors would enlarge the fitted variance of all positions until the robust loss no longer
+//! recognizes them. They are therefore found before the fit. The search first compares the positions with
+//! the nominal arm. It then repeats a fit, and leaves out the gross errors that each fit reveals.
+
+use super::deformed::Deformed;
+use super::fit::Fit;
+use super::fit_state::FitProblem;
+use super::rigid::aligned;
+use super::session::{MeasuredPosition, MeasuringSession};
+use super::unknown::Unknown;
+use crate::robot::Chain;
+
+/// A residual is gross if it exceeds the median residual of its session by this factor. The largest of 10 000
+/// normally distributed errors exceeds the median by a factor of about 3.
+const GROSS: f64 = 10.0;
+/// Largest share of the positions of a session that can be gross errors. If more positions are suspect, the
+/// model does not fit the session, and no position is left out.
+const MOST: f64 = 0.1;
+/// Least number of positions of a session in which gross errors are sought.
+const LEAST_POSITIONS: usize = 20;
+/// Least number of positions that remain for each reflector.
+const LEAST_OF_REFLECTOR: usize = 3;
+/// Largest number of fits, and of alignments of the nominal arm.
+const ROUNDS: usize = 10;
+
+/// Measured position with a gross error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GrossError {
+    pub row: usize,
+    pub reflector: usize,
+    /// Distance of the measured position from its prediction, m.
+    pub distance: f64,
+}
+
+impl GrossError {
+    /// Returns whether `measured` is the position with this gross error.
+    pub fn is_at(&self, measured: &MeasuredPosition) -> bool {
+        (self.row, self.reflector) == (measured.row, measured.reflector)
+    }
+}
+
+/// Returns the gross errors of every session. `priors` holds the prior standard deviations of the unknowns.
+pub fn gross_errors(
+    chain: &Chain,
+    sessions: &[MeasuringSession],
+    unknowns: &[Unknown],
+    priors: &[f64],
+) -> Vec<Vec<GrossError>> {
+    let mut kept = sessions.to_vec();
+    let mut found = vec![Vec::new(); sessions.len()];
+    for (session, found) in kept.iter_mut().zip(&mut found) {
+        for _ in 0..ROUNDS {
+            let poses: Vec<_> =
+                session.measured.iter().map(|m| Deformed::new(chain, &m.joints, &[], &[])).collect();
+            let Some(frames) = aligned(&poses, &session.measured) else { break };
+            let pairs = poses.iter().zip(&session.measured);
+            let distances: Vec<_> = pairs.map(|(p, m)| frames.residual(&p.interface, m).norm()).collect();
+            if !leave_out(session, found, &distances, &distances) {
+                break;
+            }
+        }
+    }
+    for _ in 0..ROUNDS {
+        let Ok(fit) = Fit::new(FitProblem { chain, unknowns, priors }, &kept) else { break };
+        let mut any = false;
+        for (s, (session, found)) in kept.iter_mut().zip(&mut found).enumerate() {
+            let residuals = fit.residuals(&session.measured, s);
+            let distances: Vec<_> = residuals.iter().map(|r| r.by.norm()).collect();
+            let normalised: Vec<_> = residuals.iter().map(|r| r.normalised().sqrt()).collect();
+            any |= leave_out(session, found, &distances, &normalised);
+        }
+        if !any {
+            break;
+        }
+    }
+    for (found, session) in found.iter_mut().zip(sessions) {
+        if found.len() as f64 > MOST * session.measured.len() as f64 {
+            found.clear();
+        }
+    }
+    found
+}
+
+/// Moves the positions whose `residuals` are gross from a session to the list of gross errors. Returns whether
+/// any position was moved.
+fn leave_out(
+    session: &mut MeasuringSession,
+    found: &mut Vec<GrossError>,
+    distances: &[f64],
+    residuals: &[f64],
+) -> bool {
+    let mut sorted = residuals.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let Some(median) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() >= LEAST_POSITIONS) else {
+        return false;
+    };
+    let count = |of: usize| session.measured.iter().filter(|m| m.reflector == of).count();
+    let reflectors = session.measured.iter().map(|m| m.reflector + 1).max().unwrap_or(0);
+    let mut left: Vec<usize> = (0..reflectors).map(count).collect();
+    let before = found.len();
+    for (k, measured) in session.measured.iter().enumerate() {
+        if residuals[k] > GROSS * median && left[measured.reflector] > LEAST_OF_REFLECTOR {
+            left[measured.reflector] -= 1;
+            let MeasuredPosition { row, reflector, .. } = *measured;
+            found.push(GrossError { row, reflector, distance: distances[k] });
+        }
+    }
+    session.measured.retain(|m| !found.iter().any(|error| error.is_at(m)));
+    found.len() > before
+}
