@@ -139,7 +139,9 @@ fn overlaps(cell: &Cell, layout: &Layout) -> Vec<String> {
         let is_obstacle = |k: usize| cell.equipment[k].role == Role::Obstacle;
         let rest = (i + 1..stands.len()).filter(|&j| !(is_obstacle(i) && is_obstacle(j)));
         let rest = rest.map(|j| (cell.equipment[j].name.clone(), stands[j]));
-        for (name, other) in rest.chain(others.iter().cloned()) {
+        // Obstacles may stand in keep-out boxes; the first of the others is the robot base.
+        let others = others.iter().take(if is_obstacle(i) { 1 } else { others.len() }).cloned();
+        for (name, other) in rest.chain(others) {
             let shared = area(&clipped(stand, &other));
             if shared > 1e-9 {
                 faults.push(format!("{} shares {shared} m2 with {name}", cell.equipment[i].name));
@@ -299,7 +301,12 @@ pub fn hits(cell: &Cell, layout: &Layout, q: &[f64]) -> Vec<String> {
     let standing = cell.equipment.iter().zip(&layout.placements).flat_map(|(e, at)| {
         e.solids.iter().map(move |s| Body::new(&e.name, placed(at), &s.shape, cell.floor))
     });
-    let standing: Vec<_> = standing.collect();
+    let keep_out = cell.keep_out.iter().map(|k| {
+        let centre = Frame::new_translation(&((k.min + k.max) / 2.0));
+        let shape = Shape::Box { pose: Pose::identity(), size: k.max - k.min };
+        Body::new(&k.name, centre, &shape, cell.floor)
+    });
+    let standing: Vec<_> = standing.chain(keep_out).collect();
     let mut faults = Vec::new();
     for solid in &cell.robot.solids {
         let body = Body::new(&solid.solid.name, frames[solid.link], &solid.solid.shape, cell.floor);

@@ -13,7 +13,7 @@ use sweetspot::cell::{
 use sweetspot::clearance::{
     Allowed, ContactMemory, FloorPlan, Hit, Overlap, Party, PlacedSolids, Scene, SolidRef,
 };
-use sweetspot::error_map::{NodeSign, Outcome, Status};
+use sweetspot::error_map::{NodeSign, OperationMap, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
 use sweetspot::{cell, files};
@@ -1276,4 +1276,41 @@ fn contact_at_every_node_is_reported_at_every_node() {
         assert_eq!(map.count(NodeSign::Usable), 0);
         assert!(map.count(NodeSign::Collision) > 20);
     }
+}
+
+/// A keep-out box blocks the same postures as an obstacle of the same shape.
+#[test]
+fn the_robot_may_not_enter_a_keep_out_box() {
+    let (mut blocked, mut free) = (0, 0);
+    for (x, y, z) in [(300, 200, 900), (500, -200, 1300), (0, 500, 1500), (-400, 300, 1100)] {
+        let corners = |by: i32| format!("[{}, {}, {}]", x + by, y + by, z + by);
+        let keep_out = format!("[keep_out.zone]\nmin_mm = {}\nmax_mm = {}\n", corners(-75), corners(75));
+        let obstacle = format!(
+            "[obstacle.zone]\nsolid = [{{ name = \"box\", box = {{ centre_mm = [0, 0, 0], size_mm = [150, 150, 150] }} }}]\n\
+             placement = {{ x_mm = {x}, y_mm = {y}, z_mm = {z} }}\n"
+        );
+        for name in ["hitachi_cell.toml", "drilling_cell.toml", "ur_cell.toml"] {
+            let maps = |more: &str| {
+                let text = format!("from = \"{name}\"\n{more}");
+                let cell = from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
+                let layout = cell.start();
+                Workcell::new(cell).unwrap().maps(&layout)
+            };
+            let signs = |maps: &[OperationMap]| -> Vec<_> {
+                maps.iter().flat_map(|m| &m.nodes).map(|node| node.status.sign()).collect()
+            };
+            let (inside, beside) = (signs(&maps(&keep_out)), signs(&maps(&obstacle)));
+            assert_eq!(inside, beside, "{name} at {x} {y} {z}");
+            let without = signs(&maps(""));
+            blocked += inside.iter().zip(&without).filter(|(with, without)| with != without).count();
+            free += inside.iter().zip(&without).filter(|(with, without)| with == without).count();
+        }
+    }
+    assert!(blocked > 50 && free > 50, "{blocked} nodes blocked, {free} unchanged");
+    // The pedestal of this robot stands in the box.
+    let text = "from = \"ur_cell.toml\"\n[keep_out.zone]\nmin_mm = [-75, -75, 325]\nmax_mm = [75, 75, 475]\n";
+    let cell = from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
+    let layout = cell.start();
+    let maps = Workcell::new(cell).unwrap().maps(&layout);
+    assert_eq!(maps.iter().map(|m| m.count(NodeSign::Usable)).sum::<usize>(), 0);
 }

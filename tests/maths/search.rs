@@ -1,6 +1,6 @@
 //! Tests the search against known results: a proven bound, complete scans, and cells with few coordinates.
 
-use crate::common::{from_text, shipped};
+use crate::common::{from_text, from_text_to_build, shipped};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use sweetspot::cell::{Cell, Coordinate, Layout, Objective, Place, SearchSettings, Sense, Solver};
@@ -389,4 +389,19 @@ fn scaled_weights_find_the_same_layout() {
         let objective = mm_from_m(record.best.evaluation.objective.expect("feasible")) / weight;
         assert!(objective <= 20.44, "weight {weight}: {objective} mm");
     }
+}
+
+/// The error of a relative operation has no bound over the misplacements, so its limit cannot be guaranteed.
+/// The search still reduces the objective.
+#[test]
+fn a_limit_that_cannot_be_guaranteed_does_not_stop_the_search() {
+    let text =
+        "from = \"hitachi_cell.toml\"\n[operation.picking]\nrelative_to = \"assembly\"\nlimit_mm = 500\n";
+    let cell = from_text_to_build(text).unwrap_or_else(|faults| panic!("{faults:#?}")).cell;
+    let workcell = Workcell::new(cell).unwrap();
+    let settings = SearchSettings { budget: 600, ..workcell.cell.search };
+    let record = run(&workcell, settings);
+    let [start, best] =
+        [&record.start, &record.best].map(|c| c.evaluation.objective.expect("feasible layouts"));
+    assert!(best < 0.95 * start, "{best} after {start}");
 }

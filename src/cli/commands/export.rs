@@ -2,7 +2,7 @@
 
 mod print_out;
 
-use super::{stem, suggest_with, warn_of_distrust, workcell};
+use super::{stem, suggest_with, warn_of_distrust, warn_of_infeasible, workcell};
 use crate::assess::Assessment;
 use crate::cell::Layout;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
@@ -29,11 +29,10 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
     refuse_idle_meshes(a)?;
-    if a.to == ExportFormat::Pdf {
-        print_out::print_out(a)?
-    } else {
-        draw(a)?
-    }
+    let has_layout = match a.to {
+        ExportFormat::Pdf => print_out::print_out(a)?,
+        _ => draw(a).map(|()| true)?,
+    };
     use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
     let next = match a.to {
         Glb => Dxf,
@@ -42,6 +41,10 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
         Krl | Rapid | Urscript | Fanuc => Pdf,
         _ => Glb,
     };
+    if !has_layout {
+        suggest_with(&format!("report {}", path_word(&a.of)), &a.packages);
+        return Ok(Exit::Done);
+    }
     suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
     Ok(Exit::Done)
 }
@@ -58,6 +61,7 @@ fn draw(a: &ExportArguments) -> Result<(), Exit> {
     let operation = posture(&assessment, a.posture.as_deref())?;
     let out = output_file(a);
     write(&out, &rendered(&assessment, a, &out, operation)?)?;
+    warn_of_infeasible(&assessment);
     warn_of_distrust(&assessment);
     Ok(())
 }

@@ -99,6 +99,19 @@ fn warn_of_distrust(assessment: &Assessment<'_>) {
     }
 }
 
+/// Warns if the layout of an exported file is infeasible or misses a limit.
+fn warn_of_infeasible(assessment: &Assessment<'_>) {
+    if assessment.evaluation.objective.is_none() {
+        let reasons = assessment.reasons();
+        output::talk(&format!(
+            "warning: the layout is not feasible, do not build it: {}",
+            reasons.join("; ")
+        ));
+    } else if !assessment.meets_requirements() {
+        output::talk("warning: the layout does not meet every limit; `sweetspot report` states which");
+    }
+}
+
 fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
     let name = cell.robot.name.clone();
     Workcell::remembering(cell, &mut cache::remember).map_err(|why| unsolved(&name, file, &why))

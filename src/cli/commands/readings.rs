@@ -48,7 +48,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;
     }
     written.iter().for_each(WrittenFolder::tell);
-    if !a.json {
+    if !a.json && readings.found() {
         suggest_with(&format!("budget {} --reading worst-case", path_word(&a.cell)), &a.packages);
     }
     Ok(if readings.found() { Exit::Done } else { Exit::AnswerIsNo })

@@ -137,7 +137,7 @@ impl<'a> CellAllocation<'a> {
         let Some(first) = self.requirements.iter().find(is_beyond) else { return Ok(()) };
         let name = shown(&cell.operations[first.operation].name);
         let why = format!(
-            "read as tolerances, these errors would displace {name} by {:.0} mm, more than the reach of the arm; they compensate each other in one calibrated arm",
+            "interpreted as tolerances, these errors would displace {name} by {:.0} mm, which is more than the reach of the arm; in the calibrated arm, these errors compensate each other",
             mm_from_m(first.before)
         );
         let help = "choose an error set of tolerances with --errors; `sweetspot errors` creates such a set";

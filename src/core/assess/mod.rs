@@ -263,7 +263,7 @@ impl<'a> Assessment<'a> {
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
-            return Some(Requirement { limit, margin: limit - value, known: true });
+            return Some(Requirement { limit, margin: limit - value, drawn: limit - value, known: true });
         }
         let is_compared = self.cell.unit().is_error() && !self.cell.search.prices_tolerances();
         let limit = self.cell.operations[operation].limit.filter(|_| is_compared)?;
@@ -272,7 +272,7 @@ impl<'a> Assessment<'a> {
             None => (drawn, true),
             Some(_) => self.worst(operation).map_or((drawn, false), |worst| (worst, true)),
         };
-        Some(Requirement { limit, margin: limit - value, known })
+        Some(Requirement { limit, margin: limit - value, drawn: limit - drawn, known })
     }
 
     /// Returns an upper bound of the value of an operation over all misplacements, m or rad.
@@ -321,6 +321,8 @@ pub struct Requirement {
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
     /// The error stays if no such bound is known.
     pub margin: f64,
+    /// Margin without misplacements: limit minus the error of the layout as drawn.
+    pub drawn: f64,
     /// Whether a margin of at least 0 proves that the limit is met. The value is false only if the
     /// certificate of the layout gives no upper bound of the error. The margin then uses the error itself.
     ///
@@ -333,5 +335,11 @@ impl Requirement {
     /// Returns whether the margin is not negative and [`Self::known`] is true.
     pub fn is_met(self) -> bool {
         self.known && self.margin >= 0.0
+    }
+
+    /// Returns whether only an upper bound over the misplacements exceeds the limit. The layout as drawn is
+    /// within the limit, and a misplaced layout may be.
+    pub fn is_unproven(self) -> bool {
+        !self.is_met() && self.drawn >= 0.0
     }
 }

@@ -161,7 +161,7 @@ impl PostureContext<'_> {
             Some(None) => (value, false),
             Some(Some(worst)) => (worst.max(value), true),
         };
-        Some(Requirement { limit, margin: limit - worst, known })
+        Some(Requirement { limit, margin: limit - worst, drawn: limit - value, known })
     }
 }
 

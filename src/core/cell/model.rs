@@ -120,7 +120,8 @@ pub enum BaseSupport {
     Hung,
 }
 
-/// Keep-out box in the world, which no equipment may enter.
+/// Keep-out box in the world. Neither equipment nor the robot with its tool and held parts may enter it;
+/// obstacles may.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeepOut {
     pub name: String,

@@ -166,7 +166,7 @@ impl Cell {
         let unit = |o: &Operation| interpretation.sense_of(o).unit;
         for (k, other) in self.operations.iter().enumerate().filter(|(_, o)| unit(o) != unit(first)) {
             let [a, b] = [first, other].map(|o| format!("`{}` is measured in {}", o.name, unit(o).word()));
-            let help = "choose senses of one unit, or the statistical reading and the quantity yield";
+            let help = "choose senses that all have the same unit, or choose the statistical reading and the quantity yield";
             faults.push(fault(
                 About::Sense(k),
                 format!("{b}, but {a}: values of different units cannot be added"),
@@ -185,7 +185,11 @@ impl Cell {
         let priced = self.search.objective == Objective::ToleranceCost;
         if interpretation.reading == Reading::Signed {
             let help = "choose the reading worst-case or statistical";
-            refuse(About::Reading, "a signed sample has no tolerances, so it has no cost".into(), help);
+            refuse(
+                About::Reading,
+                "a signed sample has no tolerances, so the cost of tolerances is not defined".into(),
+                help,
+            );
         }
         if priced && self.search.robust {
             let help = "remove `robust`, or search for the least error";
@@ -193,7 +197,11 @@ impl Cell {
         }
         if priced && !self.search.pareto.is_empty() {
             let help = "remove `pareto`, or use the objective `sum` with the goals `error` and `cost`";
-            refuse(About::Objective, "the objective `tolerance-cost` excludes `pareto`".into(), help);
+            refuse(
+                About::Objective,
+                "the objective `tolerance-cost` cannot be combined with `pareto`".into(),
+                help,
+            );
         }
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {

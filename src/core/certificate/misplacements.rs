@@ -8,7 +8,8 @@ use crate::robot::{Chain, Frames};
 /// Upper bounds of the motion of equipment, fence and floor relative to the robot base, m.
 #[derive(Debug, Clone, Default)]
 pub struct Misplacements {
-    /// Bound of the motion of each piece of equipment; the last entry is the bound for the fence.
+    /// Bound of the motion of each piece of equipment; the last entry is the bound for the fence
+    /// and the keep-out boxes.
     equipment: Vec<f64>,
     /// Bound of the motion of the floor below the robot.
     floor: f64,
@@ -46,7 +47,7 @@ impl Misplacements {
     }
 
     /// Returns the bound of the motion of a piece of equipment, m. The index after the last piece stands for
-    /// the fence, and None stands for the floor.
+    /// fence and keep-out boxes, and None stands for the floor.
     pub fn of(&self, equipment: Option<usize>) -> f64 {
         equipment.map_or(self.floor, |k| self.equipment[k])
     }

@@ -34,7 +34,7 @@ pub use value_bound::{BoxedPosture, NoValueBound, ValueBound};
 
 use crate::cell::{Cell, JointKind};
 use crate::clearance::Hit;
-use crate::motion::{Hindrance, PostureRefusal};
+use crate::motion::Hindrance;
 use crate::safe_text::shown;
 use crate::units::{deg_from_rad, mm_from_m};
 
@@ -84,14 +84,17 @@ impl NotCertified {
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
                 format!(
-                    "joint {} could exceed its limit, less the margin, by {by:.2} {unit}",
+                    "joint {} could go {by:.2} {unit} beyond its limit, reduced by the margin",
                     shown(&joint.name)
                 )
             }
-            Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
+            Self::Singular { measure } => format!(
+                "nearly singular: the singularity measure may be as low as {measure:.4}, below the margin {}",
+                cell.margins.singularity
+            ),
             Self::Clearance(Hit { solid, other }) => {
                 format!(
-                    "the clearance between {} and {} may be lost",
+                    "{} and {} may come nearer to each other than the clearance",
                     solid.in_words(cell),
                     other.in_words(cell)
                 )

@@ -2,7 +2,7 @@
 
 use crate::cell::Cell;
 
-/// Reference to a solid of a cell, to the floor or to a wall of the fence.
+/// Reference to a solid of a cell, to the floor, to a wall of the fence or to a keep-out box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SolidRef {
     /// Index into [`crate::cell::Robot::solids`].
@@ -17,6 +17,8 @@ pub enum SolidRef {
     /// Wall of the fence. The index is that of an edge of the fence, and of the corner at which this edge
     /// starts.
     Fence(usize),
+    /// Index into [`Cell::keep_out`].
+    KeepOut(usize),
 }
 
 /// Contact between a solid of the robot and another solid.
@@ -39,6 +41,7 @@ impl SolidRef {
             Self::Floor => "the floor".into(),
             Self::Pedestal => "the pedestal".into(),
             Self::Fence(edge) => format!("wall {} of the fence", edge + 1),
+            Self::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
         }
     }
 }

@@ -243,8 +243,8 @@ impl FloorPlan {
     /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out.
     ///
     /// Each piece of equipment is checked against the later pieces in the cell, the robot base, the keep-out
-    /// boxes, the floor and the fence. The robot base is checked against the fence. Obstacles may reach
-    /// beyond the fence.
+    /// boxes, the floor and the fence. The robot base is checked against the fence. Obstacles may reach into
+    /// keep-out boxes and beyond the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
         found.clear();
         if !self.enabled {
@@ -266,7 +266,8 @@ impl FloorPlan {
             }
             let (rise, room) = (|| self.rise_from_base(i, at, &layout.base), own + self.base_room);
             found.extend(self.overlap((party, Party::RobotBase), depth(&base, room), rise, room));
-            for (k, (box_plan, heights)) in self.keep_out.iter().enumerate() {
+            let keep_out = self.keep_out.iter().enumerate().filter(|_| stand.role == Role::Equipment);
+            for (k, (box_plan, heights)) in keep_out {
                 let rise = || self.rise_from(i, at, *heights);
                 found.extend(self.overlap((party, Party::KeepOut(k)), depth(box_plan, own), rise, own));
             }

@@ -25,7 +25,7 @@ impl Scene {
         let mut of_base = self.links.iter().filter(|link| link.frame == 0);
         let holds = |body: &CollisionBody| holds(plain(body), &body.pose_in(&base), point);
         of_base.find(|link| link.bare.iter().any(holds)).map(|link| link.id).or_else(|| {
-            let mut bodies = placed.bodies.iter();
+            let mut bodies = placed.bodies.iter().filter(|body| !self.is_keep_out(body));
             bodies.find(|body| self.holds_point(body, point)).map(|body| self.name(body.id))
         })
     }
@@ -61,7 +61,7 @@ impl Scene {
             others.any(blocks).then_some(link.id)
         });
         links.next().or_else(|| {
-            let mut bodies = placed.bodies.iter();
+            let mut bodies = placed.bodies.iter().filter(|body| !self.is_keep_out(body));
             bodies.find(|body| self.blocks(body, reflector, instrument)).map(|body| self.name(body.id))
         })
     }

@@ -15,7 +15,7 @@ use super::placed_solids::{
 };
 use super::robot_solids::{self, RobotSolid};
 use super::self_collision_pairs::{self, SelfCollisionPair};
-use crate::cell::{Cell, Equipment, Layout, MAX_JOINTS, Placement};
+use crate::cell::{Cell, Equipment, KeepOut, Layout, MAX_JOINTS, Placement, Shape};
 use crate::pose::Pose;
 use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math as pm;
@@ -33,8 +33,10 @@ pub struct Scene {
     self_collision_pairs: Vec<SelfCollisionPair>,
     /// Pairs of robot solids that must not touch, as indices into `links`.
     pub(super) checked: Vec<(usize, usize)>,
-    /// Solids of each piece of equipment; the last entry holds the walls of the fence.
+    /// Solids of each piece of equipment; the last entry holds the walls of the fence and the keep-out boxes.
     pub(super) equipment: Vec<EquipmentSolids>,
+    /// Number of walls in the last entry of `equipment`. The keep-out boxes follow the walls.
+    walls: usize,
     /// Index of the frame after the last joint.
     pub(super) last: usize,
     /// Height of the floor in the world, m.
@@ -58,14 +60,17 @@ impl Scene {
         let checked = self_collision_pairs.iter().filter(|p| p.allowed.is_none());
         let solids = |e: &Equipment| e.solids.iter().map(|s| part(&s.shape)).collect();
         let equipment = cell.equipment.iter().map(solids).zip(cell.start().placements);
-        let walls = (fence::walls(cell), Placement::from_values([0.0; 4]));
-        let equipment = equipment.chain([walls]).enumerate();
+        let mut fixed = fence::walls(cell);
+        let walls = fixed.len();
+        fixed.extend(cell.keep_out.iter().map(keep_out_box));
+        let equipment = equipment.chain([(fixed, Placement::from_values([0.0; 4]))]).enumerate();
         Self {
             checked: checked.filter_map(|p| place(p.a).zip(place(p.b))).collect(),
             self_collision_pairs,
             equipment: equipment
                 .map(|(e, (parts, at))| EquipmentSolids::new(e, parts, at, cell.floor))
                 .collect(),
+            walls,
             last: cell.robot.axes(),
             floor: cell.floor,
             clearance: cell.clearance,
@@ -83,8 +88,8 @@ impl Scene {
         &self.self_collision_pairs
     }
 
-    /// Sets the poses of the equipment of a layout, and checks the robot base for contact with equipment and
-    /// fence.
+    /// Sets the poses of the equipment of a layout, and checks the robot base for contact with equipment,
+    /// fence and keep-out boxes.
     pub fn place(&self, layout: &Layout, placed: &mut PlacedSolids) {
         placed.bodies.clear();
         let base = layout.base.pose();
@@ -94,7 +99,7 @@ impl Scene {
             return;
         }
         for (e, solids) in self.equipment.iter().enumerate() {
-            // The last entry, after all equipment, holds the walls of the fence, which never move.
+            // The last entry, after all equipment, holds walls of the fence and keep-out boxes. They never move.
             let at = layout.placements.get(e).unwrap_or(&solids.drawn);
             if *at == solids.drawn {
                 placed.bodies.extend_from_slice(&solids.posed);
@@ -107,6 +112,13 @@ impl Scene {
         let poses = LinkPoses { frames: &[Pose::IDENTITY; MAX_JOINTS + 1], base: placed.base.as_ref() };
         let mut hits = base.filter_map(|l| self.first_hit(l, &poses.capsule(l), poses, &placed.bodies));
         placed.base_hit = hits.next().map(|(hit, _)| hit);
+        let first =
+            placed.bodies.iter().position(|body| self.is_keep_out(body)).unwrap_or(placed.bodies.len());
+        let mut pedestal = self.links.iter().filter(|l| l.is_pedestal());
+        let in_keep_out = pedestal
+            .find_map(|l| self.first_hit(l, &poses.capsule(l), poses, &placed.bodies[first..]))
+            .map(|(hit, _)| hit);
+        placed.base_hit = placed.base_hit.or(in_keep_out);
     }
 
     /// Returns the first contact of the robot with equipment, fence, floor or itself, if there is one.
@@ -235,7 +247,16 @@ impl Scene {
 
     /// Returns a reference to a placed solid: a solid of a piece of equipment, or a wall of the fence.
     pub(super) fn name(&self, (e, s): (usize, usize)) -> SolidRef {
-        if e + 1 == self.equipment.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
+        match e + 1 == self.equipment.len() {
+            true if s < self.walls => SolidRef::Fence(s),
+            true => SolidRef::KeepOut(s - self.walls),
+            false => SolidRef::Equipment(e, s),
+        }
+    }
+
+    /// Returns whether a placed solid is a keep-out box.
+    pub(super) fn is_keep_out(&self, body: &PlacedSolid) -> bool {
+        matches!(self.name(body.id), SolidRef::KeepOut(_))
     }
 
     /// Returns whether a robot solid, bounded by `capsule`, shares a point with a placed solid.
@@ -314,4 +335,11 @@ fn touches_part(
             pieces.iter().any(hits) || *closed && body.holds(&(*relative * link.inside))
         }
     }
+}
+
+/// Returns a keep-out box as a solid in the world frame.
+fn keep_out_box(keep_out: &KeepOut) -> EquipmentSolid {
+    let (low, high) = (keep_out.min, keep_out.max);
+    let pose = Pose { translation: (low + high) / 2.0, ..Pose::IDENTITY };
+    part(&Shape::Box { pose, size: high - low })
 }

@@ -30,9 +30,9 @@ impl Allowed {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::SameLink => "same link",
-            Self::Neighbours => "neighbours",
-            Self::Given => "allowed in the file",
-            Self::AlwaysTouch => "touch in every posture",
+            Self::Neighbours => "links that share a joint",
+            Self::Given => "allowed in the robot file",
+            Self::AlwaysTouch => "touch in every sampled posture",
         }
     }
 }

@@ -37,6 +37,9 @@ pub struct Drawing<'a> {
     /// Name that distinguishes this layout from others, for example `start` or `best`.
     pub name: String,
     pub layout: Layout,
+    pub is_feasible: bool,
+    /// Whether every limit of the operations is met.
+    pub meets_limits: bool,
     /// Pose of the robot base in the world.
     pub base: Pose,
     /// Height of the floor in the world frame, m.
@@ -95,6 +98,8 @@ impl<'a> Drawing<'a> {
             cell: a.cell,
             name: a.label.clone(),
             layout: a.layout.clone(),
+            is_feasible: a.evaluation.objective.is_some(),
+            meets_limits: a.meets_requirements(),
             base: a.layout.base.pose(),
             floor: a.cell.floor,
             parts: parts::parts(a),

@@ -35,9 +35,9 @@ impl Ending {
         match self {
             Self::Objective => {
                 let what = if cell.unit() == Unit::Cost { "cost" } else { "error" };
-                format!("the {what} grows by more than the indifference")
+                format!("the {what} grows by more than the indifference allows")
             }
-            Self::Limit(k) => of(k, "its error may exceed its limit".into()),
+            Self::Limit(k) => of(k, "its error may exceed the limit of the operation".into()),
             Self::Overlap(overlap) => overlap.in_words(cell),
             Self::Posture(k, status) => of(k, status.reason(cell)),
             Self::NotCertified(k, NotCertified::JointLimit { joint, .. }) => {

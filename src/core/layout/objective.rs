@@ -66,7 +66,8 @@ impl Workcell {
     /// Returns the cost of a feasible layout: `objective`, or a penalty if a limit is missed. A value in m or
     /// rad is compared with the limit of its operation.
     ///
-    /// An infinite value has the excess [`UNKNOWN_EXCESS`] over the limit.
+    /// An infinite value, which means that no bound is known, has the excess [`UNKNOWN_EXCESS`] over the limit.
+    /// The objective is then added to the penalty, because it is all that distinguishes such layouts.
     ///
     /// A share of failures is not compared with the limit. The share already counts the arms that exceed the
     /// limit.
@@ -89,6 +90,7 @@ impl Workcell {
         let excess =
             limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).clamp(0.0, UNKNOWN_EXCESS)));
         match excess.sum::<f64>() {
+            excess if excess >= UNKNOWN_EXCESS => self.weight() * (LIMIT_PENALTY + excess) + objective,
             excess if excess > 0.0 => self.weight() * (LIMIT_PENALTY + excess),
             _ => objective,
         }

@@ -115,7 +115,7 @@ impl Shot {
         }
         match self.operation {
             Some(k) if k >= drawing.cell.operations.len() => {
-                Err(format!("there is no operation with the index {k}, counted from 0"))
+                Err(format!("there is no operation with the index {k} (operations are counted from 0)"))
             }
             _ => Ok(()),
         }

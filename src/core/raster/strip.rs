@@ -6,7 +6,7 @@ use super::scale::Show;
 use super::{FittedScene, Shot, font};
 use crate::cell::Unit;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
-use crate::drawing::{Drawing, GlyphRing, GlyphStroke, NodeGlyph, node_glyph};
+use crate::drawing::{Drawing, Field, GlyphRing, GlyphStroke, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
 use crate::safe_text::shown;
 use crate::svg_text::escaped;
@@ -25,6 +25,8 @@ pub const TEXT: f64 = 1.38;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendSign {
     Spot,
+    /// Node with the greatest value of an operation that happens at every node.
+    WorstNode,
     /// Glyph of a class of unusable nodes. The [`NodeSign`] states why these nodes are unusable.
     Node(NodeSign),
     Envelope,
@@ -34,7 +36,8 @@ impl LegendSign {
     /// Returns the text of the symbol in the legend.
     pub fn label(self) -> &'static str {
         match self {
-            Self::Spot => "best spot",
+            Self::Spot => "chosen spot",
+            Self::WorstNode => "worst node",
             Self::Node(sign) => sign.label(),
             Self::Envelope => "reach of the arm",
         }
@@ -60,7 +63,7 @@ impl LegendTexts {
         let (cell, lens) = (drawing.cell, drawing.lenses[shot.take]);
         let is_map = shot.show != Show::Nothing;
         let model = format!(
-            ", errors {}, {} model, {}",
+            ", error set {}, {} model, {}",
             shown(cell.error_set().name()),
             lens.model.name(),
             lens.reading_word()
@@ -87,8 +90,12 @@ impl LegendTexts {
             Show::InPlane => "error in x and y".into(),
             Show::Nothing | Show::Resultant => "error".into(),
         };
-        let arrows = (is_map && colours.is_some())
-            .then(|| (error * enlarged, format!("{what}, arrows {enlarged} x; bar {} mm", mm_from_m(error))));
+        let arrows = (is_map && colours.is_some()).then(|| {
+            (
+                error * enlarged,
+                format!("{what}: arrows enlarged {enlarged} times; the bar is {} mm", mm_from_m(error)),
+            )
+        });
         Self { title: shown(&cell.name), line, colours, arrows, signs: signs(drawing, shot) }
     }
 }
@@ -99,11 +106,15 @@ pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let occurs = |sign: &NodeSign| shown().flat_map(|f| &f.nodes).any(|n| n.sign == *sign);
     let mut signs: Vec<LegendSign> = Vec::new();
     if shot.show != Show::Nothing {
-        signs.extend(NodeSign::ALL.into_iter().filter(occurs).map(|sign| match sign.is_usable() {
-            // Usable nodes are dots in the colours of the scale. A ring marks the best node.
-            true => LegendSign::Spot,
-            false => LegendSign::Node(sign),
-        }));
+        // Usable nodes are dots in the colours of the scale. A ring marks the spot or the worst node.
+        let has_usable = |f: &&Field| f.nodes.iter().any(|n| n.sign.is_usable());
+        let is_worst = |f: &Field| drawing.cell.operations[f.operation].over.needs_every_node();
+        let rings = [(LegendSign::Spot, false), (LegendSign::WorstNode, true)];
+        let occurring =
+            rings.into_iter().filter(|(_, worst)| shown().filter(has_usable).any(|f| is_worst(f) == *worst));
+        signs.extend(occurring.map(|(sign, _)| sign));
+        let unusable = NodeSign::ALL.into_iter().filter(|sign| !sign.is_usable() && occurs(sign));
+        signs.extend(unusable.map(LegendSign::Node));
     }
     if shot.envelope && !drawing.envelopes.is_empty() {
         signs.push(LegendSign::Envelope);
@@ -208,7 +219,9 @@ fn sign_items(sign: LegendSign, at: Vector2<f64>, unit: f64, palette: &Palette) 
         LegendSign::Node(sign) => {
             node_glyph(sign).map_or(Vec::new(), |glyph| glyph_items(&glyph, at, unit, palette))
         }
-        LegendSign::Spot => vec![LegendItem::Line(arc(at, 0.75 * unit, 0.0, TAU), 0.3 * unit, palette.spot)],
+        LegendSign::Spot | LegendSign::WorstNode => {
+            vec![LegendItem::Line(arc(at, 0.75 * unit, 0.0, TAU), 0.3 * unit, palette.spot)]
+        }
         LegendSign::Envelope => {
             let half = Vector2::new(unit, 0.0);
             vec![LegendItem::Line(vec![at - half, at + half], thin, palette.envelope)]

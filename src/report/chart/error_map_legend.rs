@@ -51,9 +51,17 @@ fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     let a = plan.a;
     let spot = |mark: String, said: &str| LegendEntry { mark, said: said.to_string() };
     let mut entries = Vec::new();
-    if (0..a.maps.len()).any(|k| a.spot(k).is_some()) {
-        entries.push(spot(signs::spot((0.0, 0.0)), "chosen spot"));
-    }
+    let has_ring = |worst: bool| {
+        let of_kind = |k: &usize| a.cell.operations[a.maps[*k].operation].over.needs_every_node() == worst;
+        (0..a.maps.len()).filter(of_kind).any(|k| a.spot(k).is_some())
+    };
+    let said = match (has_ring(false), has_ring(true)) {
+        (true, false) => Some("chosen spot"),
+        (false, true) => Some("worst node: value of the operation"),
+        (true, true) => Some("chosen spot, or worst node of an operation at every node"),
+        (false, false) => None,
+    };
+    entries.extend(said.map(|said| spot(signs::spot((0.0, 0.0)), said)));
     if (0..a.maps.len()).any(|k| a.spot(k).is_some() && a.refined[k].is_some()) {
         entries.push(spot(signs::refined((0.0, 0.0)), "spot between the nodes"));
     }

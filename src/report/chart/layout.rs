@@ -274,11 +274,14 @@ impl LayoutView<'_> {
         let occurs = |kind: &PartKind| parts.iter().any(|p| p.part.kind == *kind);
         entries.extend(KINDS.into_iter().filter(occurs).map(entry));
         if self.drawing.fields[self.operation].spot.is_some() {
-            entries.push(LegendEntry { mark: signs::spot((0.0, 0.0)), said: "chosen spot".into() });
+            let operation = self.drawing.fields[self.operation].operation;
+            let is_worst = self.drawing.cell.operations[operation].over.needs_every_node();
+            let said = if is_worst { "worst node: value of the operation" } else { "chosen spot" };
+            entries.push(LegendEntry { mark: signs::spot((0.0, 0.0)), said: said.into() });
         }
         if self.levels.is_empty() && !self.drawing.regions.is_empty() {
             let mark = format!("<path d=\"M-11 -6H11V6H-11Z\" {}/>", Ink::Orange.line(1.2));
-            entries.push(LegendEntry { mark, said: "where the frame of a piece may stand".into() });
+            entries.push(LegendEntry { mark, said: "where the frame origin of a piece may be".into() });
         }
         entries
     }

@@ -5,7 +5,7 @@ use super::layers::{TITLE, VIEWPORT};
 use crate::drawing::Drawing;
 use crate::report::dxf::text::width;
 use crate::report::sheet::{
-    BLOCK, BlockEntries, FILING_MARGIN, MARGIN, Paper, SheetNumber, block_fields, layout_name,
+    BLOCK, BlockEntries, FILING_MARGIN, MARGIN, Paper, SheetNumber, block_fields, kind_of_set_out,
 };
 use crate::report::sheet::{SCALES, drawing_title};
 use crate::units::{m_from_mm, mm_from_m};
@@ -40,7 +40,7 @@ pub fn write(file: &mut DxfFile, drawing: &Drawing<'_>) {
         let entries = BlockEntries {
             cell: drawing.cell,
             sheet: SheetNumber::ALONE,
-            kind: format!("set-out drawing, {}", layout_name(&drawing.name)),
+            kind: kind_of_set_out(drawing),
             scale: format!("1:{ratio}"),
             notes: vec![crate::report::text::headline(drawing.cell)],
         };

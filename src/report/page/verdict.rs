@@ -201,7 +201,7 @@ pub fn reading_in_words(cell: &Cell) -> String {
     };
     let alone = format!("{priced}{alone}");
     match reading_word(cell) {
-        "error" => format!("for the one arm with the errors {set}"),
+        "error" => format!("for the single arm with the errors {set}"),
         "worst case" => format!("{alone}largest value for any arm within the tolerances {set}"),
         "p95" => format!("{alone}95 of 100 arms built to the tolerances {set} have a smaller error"),
         "p99" => format!("{alone}99 of 100 arms built to the tolerances {set} have a smaller error"),
@@ -217,7 +217,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
     let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
     let Some((k, r)) = tightest else {
-        let note = "no operation of the cell has a limit that applies to this figure".to_string();
+        let note = "no operation of the cell has a limit that applies to the objective".to_string();
         return FactEntry {
             label: "Requirement".into(),
             value: None,
@@ -231,6 +231,11 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let (text, note, mood) = match r.is_met() {
         false if !r.known => {
             let why = "no bound of its error over all misplacements is known";
+            ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
+        }
+        false if r.is_unproven() => {
+            let most = quantity(unit, r.limit - r.margin);
+            let why = format!("over all misplacements, the only proven bound of its error is {most}");
             ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.

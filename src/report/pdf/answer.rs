@@ -51,7 +51,11 @@ pub fn page(
         scale: "none".into(),
         notes: vec![
             crate::report::text::headline(drawing.cell),
-            "placements are in the frame of the robot base; set them out from the drawing on sheet 2".into(),
+            match drawing.is_feasible {
+                true => "placements are in the frame of the robot base; set them out from the drawing on sheet 2",
+                false => "placements are in the frame of the robot base; the layout is not feasible: do not build it",
+            }
+            .into(),
         ],
     };
     block(&mut svg, &Paper::A4, &entries);

@@ -87,7 +87,7 @@ fn lines(drawing: &Drawing<'_>) -> Vec<ListLine> {
 fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let columns = ["corner x", "corner y", "frame x", "frame y", "height", "yaw"];
-    let mut all = vec![ListLine::head("from the robot base, mm", columns, "tolerance")];
+    let mut all = vec![ListLine::head("from the robot base, world axes, mm", columns, "tolerance")];
     let base = &layout.base;
     let own = |at: &Placement| [mm(at.x - base.x), mm(at.y - base.y), mm(at.z - drawing.floor), deg(at.yaw)];
     let stand = match cell.pedestal(base.z) {
@@ -104,6 +104,10 @@ fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
         last: tolerance_in_words(&cell.base_tolerance.0),
         is_head: false,
     });
+    if (base.x, base.y) != (0.0, 0.0) {
+        let first = format!("base in the world: x {}, y {}", mm(base.x), mm(base.y));
+        all.push(ListLine { first, numbers: [(); 6].map(|()| none()), last: none(), is_head: false });
+    }
     if !stand.is_empty() {
         all.push(ListLine { first: stand, numbers: [(); 6].map(|()| none()), last: none(), is_head: false });
     }
@@ -171,7 +175,7 @@ fn room(drawing: &Drawing<'_>) -> Vec<ListLine> {
         return Vec::new();
     }
     let what = ["", "", "", "", "in plan", "in yaw"];
-    let mut all = vec![ListLine::head("room to place (filled: where the frame may be)", what, "")];
+    let mut all = vec![ListLine::head("room to place (filled: where the frame origin may be)", what, "")];
     // The room is rounded down, because a larger displacement may not be feasible.
     let down = |value: f64, scale: f64| (value * scale).floor() / scale;
     for region in &drawing.regions {

@@ -12,7 +12,9 @@ mod list;
 pub(super) mod title;
 
 pub use arrangement::{BLOCK, FILING_MARGIN, MARGIN, Paper, SCALES};
-pub use title::{BlockEntries, BlockField, SheetNumber, block_fields, layout_name, title as drawing_title};
+pub use title::{
+    BlockEntries, BlockField, SheetNumber, block_fields, kind_of_set_out, layout_name, title as drawing_title,
+};
 
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::drawing::silhouette::{ABOVE, FRONT};
@@ -94,7 +96,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>, number: SheetNumbe
     let entries = BlockEntries {
         cell: drawing.cell,
         sheet: number,
-        kind: format!("set-out drawing, {}", title::layout_name(&drawing.name)),
+        kind: title::kind_of_set_out(drawing),
         scale: format!("1:{ratio}"),
         notes: notes(drawing, operation),
     };

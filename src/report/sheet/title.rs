@@ -3,6 +3,7 @@
 use super::arrangement::{BLOCK, FILING_MARGIN, MARGIN, Paper};
 use super::ink::{TextAnchor, TextStyle, put, stroke};
 use crate::cell::{Cell, Projection};
+use crate::drawing::Drawing;
 use crate::files::shown;
 use std::fmt::Write;
 
@@ -53,6 +54,16 @@ pub fn layout_name(name: &str) -> String {
         "start" => "layout as drawn".into(),
         other => shown(other),
     }
+}
+
+/// Returns the kind of a set-out drawing for its title block. A layout that must not be built is marked.
+pub fn kind_of_set_out(drawing: &Drawing<'_>) -> String {
+    let mark = match (drawing.is_feasible, drawing.meets_limits) {
+        (false, _) => "NOT FEASIBLE, DO NOT BUILD: ",
+        (true, false) => "A LIMIT IS NOT MET: ",
+        (true, true) => "",
+    };
+    format!("{mark}set-out drawing, {}", layout_name(&drawing.name))
 }
 
 /// Returns the fields of the title block.

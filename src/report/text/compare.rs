@@ -152,6 +152,9 @@ pub fn margin(unit: Unit, r: Requirement) -> String {
         if r.is_met() { "met".into() } else { "MISSED with the tightest tolerances".into() }
     } else if r.is_met() {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
+    } else if r.is_unproven() {
+        let most = fixed(unit.from_si(r.limit - r.margin), 4);
+        format!("not guaranteed: proven over the misplacements is only at most {most}")
     } else {
         format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4))
     }

@@ -6,6 +6,9 @@ use crate::proof::Proof;
 use crate::units::percent_from_share;
 use std::fmt::Write;
 
+/// Gap, as a share of the bound, above which a bound says nothing about the best layout found.
+const USELESS: f64 = 10.0;
+
 /// Returns the lower bound, the gap from it to the best layout found, and the operations that the bound
 /// covers.
 pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
@@ -16,9 +19,15 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let down = |v: f64| format!("{:.4} {}", (unit.from_si(v) * 1e4).floor() / 1e4, unit.word());
     let mut out =
         format!("proven lower bound: no layout in these ranges has an objective below {}", down(bound));
-    if let Some(gap) = gap {
-        let gap = super::gap(percent_from_share(gap));
-        let _ = write!(out, "; the best layout found is {gap} above this bound");
+    match gap {
+        Some(gap) if gap > USELESS => {
+            out.push_str("; this bound is too low to judge the best layout found");
+        }
+        Some(gap) => {
+            let gap = super::gap(percent_from_share(gap));
+            let _ = write!(out, "; the best layout found is {gap} above this bound");
+        }
+        None => {}
     }
     let _ = writeln!(out, "\n  the bound covers {covers}");
     if workcell.certifies() {

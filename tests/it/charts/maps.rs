@@ -219,3 +219,25 @@ fn errors_without_a_sign_have_arrows_either_way() {
         assert_eq!(either, ways == 2, "{reading:?}");
     }
 }
+
+/// The ring of an operation at every node marks its worst node, which is not a spot that anybody chose.
+#[test]
+fn the_ring_of_an_operation_at_every_node_is_named_the_worst_node() {
+    use sweetspot::cell::NodeAggregation;
+    for over in [NodeAggregation::Best, NodeAggregation::Max] {
+        let mut cell = workcell("panda_cell.toml").cell;
+        cell.operations.truncate(1);
+        cell.operations[0].over = over;
+        let workcell = Workcell::new(cell).unwrap();
+        let a = start(&workcell);
+        assert!(a.spot(0).is_some());
+        let drawing = Drawing::new(&a, &Detail { lenses: false, envelopes: false, nodes: 4000 }).unwrap();
+        let range = drawing.fields[0].range(0, drawing.fields[0].sense).unwrap();
+        let heat = heat_map(&drawing, 0, 0, drawing.fields[0].sense, range);
+        for svg in [report::chart::error_map(&a), layout_plan(&a, &drawing, 0), heat] {
+            let is_worst = over == NodeAggregation::Max;
+            assert_eq!(svg.contains("worst node"), is_worst, "{over:?}");
+            assert_eq!(svg.contains("chosen spot"), !is_worst, "{over:?}");
+        }
+    }
+}

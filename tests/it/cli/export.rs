@@ -586,3 +586,19 @@ fn frames_for_controllers_are_those_of_the_layout() {
     let turn = spot[3..].iter().map(|v| v * v).sum::<f64>().sqrt();
     assert!((turn - std::f64::consts::PI).abs() < 1e-6, "{turn}");
 }
+
+#[test]
+fn drawings_of_infeasible_layouts_are_marked() {
+    let shop = Sandbox::new();
+    shop.write("cells/far.toml", BEYOND_REACH);
+    for (cell, is_feasible) in [("cells/far.toml", false), (CELL, true)] {
+        for format in ["svg", "dxf"] {
+            let out = format!("drawing.{format}");
+            let ran = shop.done(&["export", cell, "--to", format, "-o", &out]);
+            let is_marked = shop.text(&out).contains("NOT FEASIBLE, DO NOT BUILD");
+            assert_eq!(is_marked, !is_feasible, "{cell} as {format}");
+            let warns = ran.err.contains("warning: the layout is not feasible, do not build it: ");
+            assert_eq!(warns, !is_feasible, "{cell} as {format}: {}", ran.err);
+        }
+    }
+}

@@ -113,3 +113,30 @@ fn a_search_names_the_tolerance_that_leaves_no_layout() {
     let reasons = shop.document("found/search.json")["reasons"].to_string();
     assert!(reasons.contains("x_mm of worktable at most "), "{reasons}");
 }
+
+/// A limit between the error of the layout as drawn and its proven bound may or may not be exceeded.
+#[test]
+fn a_limit_below_the_proven_bound_is_not_guaranteed() {
+    let shop = Sandbox::new();
+    shop.done(&["search", CELL, "--budget", "300", "--out", "found"]);
+    let map = shop.json(&["map", "found/best.toml"]);
+    let operation = &items(&map["operations"])[0];
+    let name = operation["name"].as_str().unwrap();
+    let (value, most) = (number(&operation["value"]), number(&operation["worst"]));
+    assert!(value < most, "{value} {most}");
+    for (share, said) in [
+        (0.5, "not guaranteed: proven over the misplacements is only at most"),
+        (-0.1, "MISSED by"),
+        (1.1, "to spare"),
+    ] {
+        let limit = value + share * (most - value);
+        shop.write(
+            "limited.toml",
+            &format!("from = \"found/best.toml\"\noperation.{name}.limit_mm = {limit}\n"),
+        );
+        let ran = shop.run(&["compare", "limited.toml"]);
+        let told = ["not guaranteed", "MISSED by", "to spare"].map(|word| ran.out.contains(word));
+        assert_eq!(told.iter().filter(|is_told| **is_told).count(), 1, "{share}: {}", ran.out);
+        assert!(ran.out.contains(said), "{share}: {}\n{}", ran.out, ran.err);
+    }
+}

@@ -3,12 +3,13 @@
 use super::{cell_file, output_file, posture, write};
 use crate::cli::Exit;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
-use crate::cli::commands::{warn_of_distrust, workcell};
+use crate::cli::commands::{warn_of_distrust, warn_of_infeasible, workcell};
 use crate::cli::report_source::ReportSource;
 use crate::report::page::Subject;
 
-/// Writes the PDF, which shows the whole report.
-pub fn print_out(a: &ExportArguments) -> Result<(), Exit> {
+/// Writes the PDF, which shows the whole report. Returns whether other formats can show the layout, too. A
+/// search without a feasible layout leaves only a report.
+pub fn print_out(a: &ExportArguments) -> Result<bool, Exit> {
     // With flags or --start, the layout file inside a result folder is read instead of the whole folder.
     let of =
         if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
@@ -21,8 +22,9 @@ pub fn print_out(a: &ExportArguments) -> Result<(), Exit> {
     }
     let operation = posture(subject.shown(), a.posture.as_deref())?;
     write(&output_file(a), &pages(&subject, operation)?)?;
+    warn_of_infeasible(subject.shown());
     warn_of_distrust(subject.shown());
-    Ok(())
+    Ok(!of.is_dir() || of.join("best.toml").is_file())
 }
 
 /// Returns a command line without the name of its output.
