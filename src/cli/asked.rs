@@ -39,7 +39,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(
-        "--set cannot be used with `{command}`: its layout files cannot state the changed key"
+        "`{command}` does not accept --set: it writes layout files, and these cannot state a key that --set changes"
     ));
     output::talk(&format!(
         "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",

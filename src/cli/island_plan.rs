@@ -38,7 +38,9 @@ pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     let settings = a.settings();
     let first = SearchRequest::new(a)?.load()?.cell;
     if first.free().is_empty() {
-        output::error("nothing to search: every placement is fixed, so all islands would be equal");
+        output::error(
+            "nothing to search: every placement and attitude is fixed, so all islands would be equal",
+        );
         output::talk(&format!("  help: sweetspot map {} assesses the layout as drawn", path_word(cell)));
         return Err(Exit::BadInput);
     }

@@ -187,7 +187,7 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
         let factors: Vec<_> = lengths.map(|n| n.to_string()).collect();
         let factors = factors.join(" times ");
         output::error(&format!(
-            "{factors} values make more than {MAX_COMBINATIONS} combinations; nothing was done"
+            "the values of --set make {factors} combinations, more than the allowed {MAX_COMBINATIONS}; nothing was done"
         ));
         output::talk("  help: set fewer values, or split them into several sweeps");
         Exit::BadInput

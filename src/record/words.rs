@@ -44,7 +44,7 @@ pub fn objective_word(cell: &Cell) -> String {
     match cell.search.objective {
         Objective::WeightedSum => format!("{weighted}sum of the operations' {each}"),
         Objective::WeightedMaximum => format!("{weighted}maximum of the operations' {each}"),
-        Objective::Lexicographic => format!("combination by priority of the operations' {each}"),
+        Objective::Lexicographic => format!("comparison, in order of priority, of the operations' {each}"),
         Objective::ToleranceCost => word.to_string(),
     }
 }
@@ -91,7 +91,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         (!pick.over.needs_every_node()).then(|| {
             let [place, pick] = [&place.name, &pick.name].map(|name| shown(name));
             format!(
-                "{place} is relative to {pick}. The spot of {pick} is chosen first, so that the error of {pick} is least. If both spots were chosen together, the objective could be lower, but not lower than with an error of 0 at {place}"
+                "{place} is relative to {pick}. The spot of {pick} is chosen first, with the least error of {pick}. A joint choice of both spots could lower the objective, at most to its value with an error of 0 at {place}"
             )
         })
     }));

@@ -183,7 +183,7 @@ pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String 
     out.push_str(
         "Arrows show the errors, enlarged by the factor in each picture; their colour shows the size \
         of the displayed error. An error without a sign has two arrows in opposite directions. The spot \
-        in each picture is the best node in the sense of that picture.\n",
+        in each picture is the node with the least value of the error component shown.\n",
     );
     for (name, figures) in chapters {
         let _ = writeln!(out, "\n## {}", marked(name));

@@ -114,14 +114,14 @@ fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     for stem in ["hitachi_pw10", "kuka_youbot"] {
         let fixed = || Attitude { azimuth: Azimuth::Surface(0.1), ..level() };
         assert!(
-            told(stem, fixed()).unwrap().contains("the base yaw of the arm decides the heading"),
+            told(stem, fixed()).unwrap().contains("joint 1 of the arm determines the azimuth of the tool"),
             "{stem}"
         );
         assert_eq!(told(stem, Attitude { tolerance: 0.2, ..fixed() }), None);
         assert_eq!(told(stem, Attitude { azimuth: Azimuth::Radial, ..level() }), None);
     }
     let spun = Attitude { spin: Spin::At(vec![0.0]), ..level() };
-    assert!(told("hitachi_pw10", spun.clone()).unwrap().contains("no axis that rotates the tool"));
+    assert!(told("hitachi_pw10", spun.clone()).unwrap().contains("no joint of the arm rotates the tool"));
     assert_eq!(told("kuka_youbot", spun.clone()), None);
     assert_eq!(told("ur10", Attitude { azimuth: Azimuth::Surface(0.1), ..spun }), None);
 }

@@ -16,8 +16,8 @@ const FAMILIES: [(&str, &str); 9] = [
     ("scara", "SCARA (closed form)"),
     ("wrist", "six axes with three that meet in a point (closed form)"),
     ("ur", "six axes with three parallel ones (closed form)"),
-    ("panda", "spherical shoulder, last joint free (closed form)"),
-    ("track", "spherical wrist, first joint free (closed form)"),
+    ("panda", "spherical shoulder, redundant last joint (closed form)"),
+    ("track", "spherical wrist, redundant first joint (closed form)"),
     ("offset_wrist", "six axes, offset wrist (scan of joint 6)"),
 ];
 
@@ -25,8 +25,11 @@ const FAMILIES: [(&str, &str); 9] = [
 fn every_robot_family_is_mapped_and_searched() {
     let kinova = "from = \"offset_wrist_cell.toml\"\n[robot]\nfrom = \"robots/kinova_gen3.toml\"\n[search]\nideal = true\n";
     let kinova = from_text(kinova).unwrap_or_else(|faults| panic!("{faults:#?}")).cell;
-    let kinova =
-        ("kinova", "nearly a spherical wrist, first joint free (closed form and Newton's method)", kinova);
+    let kinova = (
+        "kinova",
+        "nearly a spherical wrist, redundant first joint (closed form and Newton's method)",
+        kinova,
+    );
     let mut general = kinova.2.clone();
     // With offsets of 50 mm in shoulder and wrist, the arm belongs to no family with a closed form.
     general.robot.joints[1].l += 0.05;

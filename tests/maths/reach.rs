@@ -100,7 +100,7 @@ struct PoseStatistics {
 fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
-    let redundant = inverse.family().contains("joint free");
+    let redundant = inverse.family().contains("redundant ");
     let mut rng = ChaCha8Rng::seed_from_u64(41);
     let mut tally = PoseStatistics { poses, ..PoseStatistics::default() };
     let columns = tool_columns(&chain.tool_axis);

@@ -62,7 +62,7 @@ fn a_note_names_the_pick_that_is_chosen_alone() {
         notes[0].starts_with("picking is relative to assembly. The spot of assembly is chosen first"),
         "{notes:?}"
     );
-    assert!(notes[0].ends_with("but not lower than with an error of 0 at picking"), "{notes:?}");
+    assert!(notes[0].ends_with("at most to its value with an error of 0 at picking"), "{notes:?}");
     assert!(caveats(&shipped("hitachi_cell.toml")).is_empty());
     // A pick at every node leaves no choice.
     let mut all = cell;

@@ -73,7 +73,7 @@ class AllocationDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: str
-    """Name of the figure that the reading gives."""
+    """Name of the error figure that the reading (interpretation of errors) gives, such as "worst case"."""
     registration: Literal['none', 'best-fit', 'taught']
     demanded_yield: Optional[float]
     """Required yield: share of arms with random parameter errors that must stay within each limit. Null unless
@@ -123,7 +123,7 @@ class AllocationRequirement(Record):
     unit: Literal['share', 'cost', 'mm', 'deg']
     limit: float
     before: float
-    """Figure with the tolerances in the error set."""
+    """Figure that the tolerances in the error set give."""
     after: Optional[float]
     """Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible."""
     is_binding: bool
@@ -193,7 +193,7 @@ class BudgetDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the reading gives."""
+    """Name of the error figure that the reading (interpretation of errors) gives, such as "worst case"."""
     registration: Literal['none', 'best-fit', 'taught']
     operations: Table[OperationBudget]
 
@@ -320,6 +320,8 @@ class CommandedJoint(Record):
 
     name: str
     unit: Literal['share', 'cost', 'mm', 'deg']
+    passive: bool
+    """Whether the joint has no actuator. Tables for people leave out passive joints."""
 
 
 class ComparedFile(Record):
@@ -402,7 +404,7 @@ class ComparedPosition(Record):
     """One measured position with its prediction, in the base frame of the robot."""
 
     row: int
-    """Row of the file, counted from 1 without the header."""
+    """Line of the file, counted from 1."""
     reflector: int
     """Number of the reflector, counted from 1."""
     joints: _Numbers
@@ -719,7 +721,7 @@ class ExplanationDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the reading gives."""
+    """Name of the error figure that the reading (interpretation of errors) gives, such as "worst case"."""
     registration: Literal['none', 'best-fit', 'taught']
     name: str
     equipment: str
@@ -768,8 +770,8 @@ class ExplanationDocument(Record):
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
     """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the errors
-    of the sample compensate each other. The program assumes this if the error of a Denavit-Hartenberg length
-    (r or l) exceeds the reach of the arm.
+    of the sample compensate each other. The program assumes that they do if the error of a Denavit-Hartenberg
+    length (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -1019,9 +1021,9 @@ class JudgementEntry(Record):
     then judges these tolerances.
     """
     rounds: int
-    """Index of the round that gave the solution; the first round has the index 0. Each round multiplies figures
-    of the linear error model by factors. At the tolerances before the round, the products equal the figures
-    of the error model of the cell.
+    """Index of the round that gave the solution; the first round has the index 0. Each round multiplies every
+    figure of the linear error model by a factor. At the tolerances of the previous round, the product equals
+    the figure of the error model of the cell.
     """
     sampled_rounds: int
     """Number of further allocations that were necessary because Monte Carlo samples exceeded a limit."""
@@ -1071,8 +1073,8 @@ class ManifestDocument(Record):
     cell: Optional[str]
     seed: Optional[int]
     settings: Optional[Table[Setting]]
-    """Keys of the cell file that the command line set. The inputs and these settings together reproduce the
-    cell.
+    """Keys of the cell file whose values come from the command line. The inputs and these settings together
+    reproduce the cell.
     """
     resolved: Optional[ResolvedSettings]
     """Settings of the run after flags, cell file and defaults were merged."""
@@ -1175,7 +1177,7 @@ class MapNode(Record):
     error_sense_deg: Optional[float]
     """Error that the operation's sense measures; null if this sense measures a length."""
     value: Optional[float]
-    """Figure that the search minimizes, at this node, in the `unit` of the document."""
+    """Value at this node of the figure that the search minimizes, in the `unit` of the document."""
     touched: Optional[bool]
     """Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot."""
     rotation_deg: Optional[_Numbers]
@@ -1370,14 +1372,14 @@ class OperationBudget(Record):
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
     """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if the
-    errors of the sample compensate each other. The program assumes this if the error of a Denavit-Hartenberg
-    length (r or l) exceeds the reach of the arm.
+    errors of the sample compensate each other. The program assumes that they do if the error of a Denavit-
+    Hartenberg length (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
-    """Limit minus the error under the reading; negative if the error exceeds the limit. If a certificate is
-    required, a known upper bound of this error over all misplacements replaces the error. Null if the
-    operation has no limit, or if the quantity is the yield.
+    """Limit minus the error figure that the reading gives; negative if the error exceeds the limit. If a
+    certificate is required, a known upper bound of this figure over all misplacements replaces the figure.
+    Null if the operation has no limit, or if the quantity is the yield.
     """
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
@@ -1467,15 +1469,16 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges. "ranked-nodes" skips nodes, "bounded-postures" skips postures, and "spin-
-    families" skips groups of postures that differ in the last joint alone. "every-posture" skips none. A
-    node, posture or group is skipped if its lower bound exceeds the best value found.
+    """Word that states what the search skips. With "ranked-nodes", it skips nodes. With "bounded-postures", it
+    skips postures. With "spin-families", it skips groups of postures that differ in the last joint alone.
+    With "every-posture", it skips nothing. A node, posture or group is skipped if its lower bound exceeds the
+    best value found.
     """
     why: Optional[str]
     """Reason why the search judges every posture; null if the search skips some postures."""
     why_no_field: Optional[str]
-    """Reason why the search excludes no nodes by a value field (lower bounds that hold in every layout); null if
-    it does.
+    """Reason why the operation can have no value field (lower bounds that hold in every layout), which excludes
+    nodes. Null if the operation can have a value field.
     """
 
 
@@ -1498,7 +1501,7 @@ class OutlierRow(Record):
     """Outlier: measured position that is more than six standard deviations from the prediction."""
 
     row: int
-    """Row of the file, counted from 1 without the header."""
+    """Line of the file, counted from 1."""
     distance_mm: float
     """Distance of the measured from the predicted position, mm."""
 
@@ -1678,7 +1681,7 @@ class ReadingEntry(Record):
 
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that `reading` gives."""
+    """Name of the error figure that `reading` gives, such as "worst case"."""
     registration: Literal['none', 'best-fit', 'taught']
     unit: Literal['share', 'cost', 'mm', 'deg']
     node: Optional[List[int]]
@@ -1760,7 +1763,8 @@ class RefinedEntry(Record):
 class RegionEntry(Record):
     """Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
     their placements. Every operation keeps its spot and branch. Everywhere in the region, the layout works
-    within the placement tolerances. The objective grows by at most `indifference_percent`.
+    within the placement tolerances. The objective grows by at most the percentage `indifference_percent` of
+    the cell file.
     """
 
     equipment: str
@@ -1868,7 +1872,7 @@ class RepeatedPostureEntry(Record):
     """One posture that was visited several times."""
 
     row: int
-    """Row of the file with the first visit, counted from 1 without the header."""
+    """Line of the file with the first visit, counted from 1."""
     visits: int
     position_mm: _Numbers
     """Position of the reflector for the nominal robot, in the base frame."""
@@ -2220,15 +2224,17 @@ class SearchResult(Record):
     the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is true.
     """
     least_value: Optional[float]
-    """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
-    search chooses one whose room is nearly the largest. Null if no layout is feasible and within every limit.
+    """Least objective found, in `unit`. Layouts whose objective is at most `indifference_percent` (cell file)
+    greater count as equally good. Among them, the search chooses one with nearly the largest room. The room
+    of a layout is the least `room_mm` of its pieces. Null if no layout is feasible and within every limit.
     """
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
     """Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y and
-    yaw have ranges. At these angles, the objective grows by at most `indifference_percent`. Null if the
-    layout is infeasible or misses a limit, or if equipment under an operation does not rotate.
+    yaw have ranges. At these angles, the objective grows by at most the percentage `indifference_percent` of
+    the cell file. Null if the layout is infeasible or misses a limit, or if equipment under an operation does
+    not rotate.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2300,7 +2306,7 @@ class SectionOutline(Record):
 
 
 class SenseEntry(Record):
-    """Sense in which the error is measured."""
+    """Sense: component of the error that counts, with its unit."""
 
     name: str
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -2343,8 +2349,8 @@ class ShareEntry(Record):
     width of its tolerance.
     """
     alone: float
-    """Linear error in the sense of the operation if this parameter is at its tolerance and all other parameters
-    are 0.
+    """Linear error that the operation's sense measures if this parameter is at its tolerance and all other
+    parameters are 0.
     """
     share_of_worst: Optional[float]
     """Share of the parameter in the linear worst case, from 0 to 1; null if `worst_linear_exact` of the
@@ -2803,9 +2809,10 @@ class ToolSheet(Record):
 
 
 class TotalEntry(Record):
-    """Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null in
-    the signed reading if the errors of the sample compensate each other. The program assumes this if the
-    error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
+    """Error figures of a posture, for the component of the error that counts for the operation (its sense).
+    Worst case and statistics are null in the signed reading if the errors of the sample compensate each
+    other. The program assumes that they do if the error of a Denavit-Hartenberg length (r or l) exceeds the
+    reach of the arm.
     """
 
     unit: Literal['share', 'cost', 'mm', 'deg']

@@ -63,7 +63,7 @@ fn toleranced(cell: Cell, a: &AllocateArguments) -> Result<Cell, Exit> {
         return Err(Exit::BadInput);
     }
     output::talk(
-        "note: the errors are read as worst-case tolerances (--reading statistical treats them as random)",
+        "note: the errors are interpreted as worst-case tolerances (--reading statistical interprets them as random)",
     );
     let interpretation = Interpretation { reading: Reading::WorstCase, ..cell.interpretation() };
     cell.with_interpretation(&interpretation).map_err(|faults| {

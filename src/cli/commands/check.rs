@@ -104,7 +104,11 @@ fn check_robot(a: &CheckArguments) -> Result<Exit, Exit> {
 fn error_sets(cell: &Cell) -> String {
     let kind = report::text::kind_of(cell.error_set());
     let sets = counted(cell.robot.errors.len(), "error set", "error sets");
-    format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
+    format!(
+        "{sets}; chosen: {} ({kind}) with the reading {}",
+        shown(cell.error_set().name()),
+        cell.reading.name()
+    )
 }
 
 /// Returns a line about the inverse kinematics, and a line per operation about the nodes and postures that a
@@ -114,11 +118,15 @@ fn posture_orders(workcell: &Workcell) -> String {
     let line = |(k, (o, order)): (usize, (&Operation, PostureOrder))| {
         let (name, order_in_words) = (shown(&o.name), order.in_words());
         match proof::why_no_field(workcell, k) {
-            None => format!("\n{name}: a search excludes nodes by a value field, then {order_in_words}"),
+            None => format!(
+                "\n{name}: a search first excludes nodes by a value field (a table of lower bounds), then {order_in_words}"
+            ),
             Some(_) if order == PostureOrder::RankedNodes => {
                 format!("\n{name}: a search {order_in_words}")
             }
-            Some(why) => format!("\n{name}: a search {order_in_words}; no value field: {why}"),
+            Some(why) => format!(
+                "\n{name}: a search {order_in_words}; it uses no value field (a table of lower bounds), because {why}"
+            ),
         }
     };
     let family = format!("\ninverse kinematics: {}", workcell.inverse().family());

@@ -144,7 +144,7 @@ fn source(question: &GuessQuestion, from: &str, scale: f64) -> String {
             BaseChoice::Nominal => "nominal base frame",
         };
         text += &format!(
-            ", times {} so that the predicted pose accuracy AP (ISO 9283, {base}) of the median robot is {ap} mm",
+            ", scaled by {}; the median robot then has the predicted pose accuracy AP (ISO 9283, {base}) of {ap} mm",
             rounded(scale, 5)
         );
     }
@@ -160,8 +160,8 @@ fn say_taught_accuracy(a: &ErrorsArguments) {
         && ap < TAUGHT * rp
     {
         output::talk(
-            "warning: an AP near the repeatability RP often applies to taught poses; it then says nothing \
-             about the errors of the arm, and the guess is too small",
+            "warning: the AP is near the repeatability RP. Data sheets often state such an AP for taught poses. It then \
+             says nothing about the errors of the arm, and the guess is too small",
         );
     }
 }

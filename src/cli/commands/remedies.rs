@@ -78,8 +78,8 @@ fn random(cell: Cell, file: &Path) -> Result<Cell, Exit> {
         Exit::BadInput
     })?;
     output::talk(&format!(
-        "note: the errors are read statistically ({}), because the errors of a calibrated arm have no known \
-         signs",
+        "note: the errors are interpreted as random ({}), because the signs of the errors of a calibrated arm are not \
+         known",
         asked.quantity.name()
     ));
     Ok(asked)

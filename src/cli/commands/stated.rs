@@ -143,7 +143,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors describe the joint origins and the tip link, which counts as the tool",
+        "note: {}: the errors are those of the joint origins and of the tip link; the error of the tip link is stated as an error of the tool",
         path_word(path)
     ));
     Ok((errors, source))

@@ -182,7 +182,10 @@ impl ImportedRobot {
         }
         warnings.extend(self.left_out.iter().map(|LeftOutMesh { name, why, remedy }| {
             let name = shown(name);
-            warning(format!("{name} is left out of the {all} collision shapes: {}", shown(why)), remedy)
+            warning(
+                format!("the mesh {name}, one of {all} collision shapes, is left out: {}", shown(why)),
+                remedy,
+            )
         }));
         if kept < all && self.left_out.is_empty() {
             let message = format!("{} of {all} collision shapes are left out", all - kept);

@@ -210,7 +210,7 @@ impl LiveView {
         };
         let cell = values.starting(&self.workcells.ask(&question)?.cell, false);
         if cell.free().is_empty() {
-            return Err("nothing to search: every placement is fixed in the file".into());
+            return Err("nothing to search: every placement and attitude is fixed in the file".into());
         }
         let cell = cell.searching(asked.seed, asked.budget)?;
         let mut job = locked(&self.job);

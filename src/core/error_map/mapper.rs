@@ -176,7 +176,7 @@ fn tolerances(cell: &Cell, setups: &[OperationSetup]) -> Result<Option<Arc<Toler
     let evaluators: Vec<&ErrorEvaluator> = setups.iter().map(|setup| &setup.evaluator).collect();
     match TolerancePricing::new(cell, &evaluators) {
         Some(tolerances) => Ok(Some(Arc::new(tolerances))),
-        None => Err("the cost of tolerances needs an error that is neither measured nor correlated".into()),
+        None => Err("the cost of tolerances cannot be computed: every error is measured or correlated, so no tolerance can be chosen".into()),
     }
 }
 

@@ -79,7 +79,7 @@ impl NodeSign {
             Self::Singular => "nearly singular",
             Self::ApproachBlocked => "with a blocked approach",
             Self::RetractBlocked => "with a blocked retract",
-            Self::Unjudged => "with an unknown error",
+            Self::Unjudged => "without a computable error",
         }
     }
 

@@ -68,7 +68,7 @@ impl Unjudged {
     pub fn in_words(self) -> &'static str {
         match self {
             Unjudged::NotTaught => {
-                "the surface frame cannot be taught: the robot cannot touch three points that are not in line"
+                "the surface frame cannot be taught: the robot cannot touch three points that form a triangle"
             }
             Unjudged::OnlyTouched => {
                 "the robot can reach only the points that it touches to teach the surface frame"

@@ -84,9 +84,9 @@ impl Mapper {
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")
         } else if !self.arm.inverse.has_spin_families(attitudes) {
-            Some("the postures at a target differ in more than the last joint")
+            Some("the postures at a target do not form families that differ in the last joint alone")
         } else if !self.setups[operation].evaluator.has_spin_bound() {
-            Some("no lower bound is known for a spin family in this reading or sense")
+            Some("no lower bound of the error is known for a spin family under this reading and sense")
         } else {
             None
         }

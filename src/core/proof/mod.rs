@@ -135,19 +135,21 @@ impl WhyNot {
             Self::Relative => "its error is relative to the operation that picks the part",
             Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel the errors of the robot",
-            Self::ToolAxes => "its sense is in axes of the tool",
-            Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
-            Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
+            Self::ToolAxes => "its sense is stated in axes of the tool",
+            Self::SurfaceAxes => "its sense is stated in axes of a surface that can rotate",
+            Self::WorldAxes => "its sense is stated in axes of the world, and the robot base can rotate",
             Self::Rotation => "its sense includes rotations, which have no bound in this model and reading",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three components",
-            Self::Share => "a share of failures has no bound above 0",
+            Self::Share => "its value is a share of failures, which has no lower bound above 0",
             Self::Cost => "the cost of its tolerances has no known bound",
             Self::Boxes => {
                 "no bound above 0 was found within the allowed number of boxes of joint coordinates"
             }
-            Self::Mean => "a nonlinear worst case about measured means has no bound",
-            Self::Refuted => "Monte Carlo samples refute its first-order figure, to which the bound applies",
+            Self::Mean => "its nonlinear worst case about measured means has no known bound",
+            Self::Refuted => {
+                "Monte Carlo samples show that its first-order value is wrong, and the bound applies only to that value"
+            }
         }
     }
 }

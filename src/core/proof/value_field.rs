@@ -102,8 +102,12 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let operation = &workcell.cell.operations[region.operation];
     let order = workcell.posture_orders().nth(region.operation);
     match order {
-        Some(PostureOrder::RankedNodes) => return Err("its nodes are ranked in each layout"),
-        _ if operation.over.needs_every_node() => return Err("it happens at every node"),
+        Some(PostureOrder::RankedNodes) => {
+            return Err("each layout already ranks its nodes by a lower bound of their error");
+        }
+        _ if operation.over.needs_every_node() => {
+            return Err("it happens at every node, so no node can be left out");
+        }
         _ => {}
     }
     let task = Task::new(workcell, region).map_err(WhyNot::in_words)?;

@@ -27,14 +27,14 @@ impl Inverse {
         let exact = attitude.tolerance == 0.0;
         if exact && !attitude.is_vertical() && matches!(attitude.azimuth, Azimuth::Surface(_)) {
             return Some(
-                "the base yaw of the arm decides the heading of the tool, so azimuth_deg cannot be an angle: \
+                "joint 1 of the arm determines the azimuth of the tool, so azimuth_deg cannot be an angle: \
                  write azimuth_deg = \"radial\", or set a tolerance_deg above 0"
                     .into(),
             );
         }
         if exact && !arm.rolls() && matches!(attitude.spin, Spin::At(_)) {
             return Some(
-                "the arm has no axis that rotates the tool about its own axis, so spin_deg cannot be chosen: \
+                "no joint of the arm rotates the tool about the tool axis, so spin_deg cannot be chosen: \
                  omit spin_deg, or set a tolerance_deg above 0"
                     .into(),
             );

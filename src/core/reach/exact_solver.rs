@@ -75,12 +75,12 @@ impl ExactSolver {
     /// The redundant joint is the first joint if `first_is_free` is true, otherwise the last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match (self, first_is_free) {
-            (Self::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
-            (Self::SphericalWrist(_), false) => "spherical shoulder, last joint free (closed form)",
-            (Self::ThreeParallel(_), true) => "three parallel axes, first joint free (closed form)",
-            (Self::ThreeParallel(_), false) => "three parallel axes, last joint free (closed form)",
-            (Self::Scara(_), _) => "SCARA, one joint free (closed form)",
-            (Self::OffsetWrist(_), _) => "offset wrist, one joint free (scan)",
+            (Self::SphericalWrist(_), true) => "spherical wrist, redundant first joint (closed form)",
+            (Self::SphericalWrist(_), false) => "spherical shoulder, redundant last joint (closed form)",
+            (Self::ThreeParallel(_), true) => "three parallel axes, redundant first joint (closed form)",
+            (Self::ThreeParallel(_), false) => "three parallel axes, redundant last joint (closed form)",
+            (Self::Scara(_), _) => "SCARA, one redundant joint (closed form)",
+            (Self::OffsetWrist(_), _) => "offset wrist, one redundant joint (scan)",
         }
     }
 

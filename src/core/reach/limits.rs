@@ -71,7 +71,7 @@ impl Limits {
         let n = chain.axes();
         if (0..n).any(|j| turns_more(j) && (j + 1..n).any(|i| geared(i, j))) {
             return Err(
-                "a joint with a range of more than one turn drives a prismatic joint, or another joint \
+                "a joint that can turn more than once drives a prismatic joint, or drives another joint \
                         by a factor that is not a whole number"
                     .into(),
             );

@@ -86,7 +86,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => solver.redundant_family(first_is_free),
             Self::Refined(solver) => solver.redundant_family(first_is_free),
-            Self::General(_) => "six general axes, one joint free (elimination)",
+            Self::General(_) => "six general axes, one redundant joint (elimination)",
         }
     }
 

@@ -108,13 +108,15 @@ impl RefinedSolver {
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match (&self.solver, first_is_free) {
             (ExactSolver::ThreeParallel(_), true) => {
-                "three nearly parallel axes, first joint free (closed form and Newton's method)"
+                "three nearly parallel axes, redundant first joint (closed form and Newton's method)"
             }
             (ExactSolver::ThreeParallel(_), false) => {
-                "three nearly parallel axes, last joint free (closed form and Newton's method)"
+                "three nearly parallel axes, redundant last joint (closed form and Newton's method)"
             }
-            (_, true) => "nearly a spherical wrist, first joint free (closed form and Newton's method)",
-            (_, false) => "nearly a spherical shoulder, last joint free (closed form and Newton's method)",
+            (_, true) => "nearly a spherical wrist, redundant first joint (closed form and Newton's method)",
+            (_, false) => {
+                "nearly a spherical shoulder, redundant last joint (closed form and Newton's method)"
+            }
         }
     }
 

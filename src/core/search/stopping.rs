@@ -58,12 +58,14 @@ impl SearchEnd {
     pub fn in_words(self) -> &'static str {
         match self {
             SearchEnd::Done => "the budget is used up, or the final refinement has converged",
-            SearchEnd::Gap => "the best layout is within the requested gap to the bound",
+            SearchEnd::Gap => {
+                "the objective of the best layout is within the requested gap from the lower bound"
+            }
             SearchEnd::Stagnation => "no better layout was found for the requested number of evaluations",
             SearchEnd::Interrupted => "interrupted",
             SearchEnd::TimeLimit => "the time limit was reached",
             SearchEnd::Diverged => "the search could not reproduce the checkpoint",
-            SearchEnd::NothingToSearch => "nothing to search: every placement is fixed",
+            SearchEnd::NothingToSearch => "nothing to search: every placement and attitude is fixed",
         }
     }
 }

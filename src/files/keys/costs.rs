@@ -52,7 +52,7 @@ key_table! {
 key_table! {
     tolerance_cost, "a cost", "Cost of tolerances, from which `allocate` finds the cheapest set. The scale is the tolerance divided by the tolerance in the error set.", {
         PARAMETERS = Key::new("parameters", ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "names"), "Parameters that have this cost; a separate tolerance is chosen for each. If left out, all parameters that no other cost names.").example("[\"dl2\", \"dalpha3\"]");
-        FORM = word::<CostForm>("kind", "reciprocal: at / scale^power; exponential: at exp(-rate (scale - 1)); grades: processes with tolerances and costs; iso-286: grades of ISO 286, which cost at / scale^power.").required();
+        FORM = word::<CostForm>("kind", "reciprocal: cost = `at` / scale^`power`; exponential: cost = `at` exp(-`rate` (scale - 1)); grades: processes with tolerances and costs; iso-286: grades of ISO 286, each with the cost `at` / scale^`power`.").required();
         AT = number("at", NumberRange::Positive, "Cost of the tolerance in the error set, in any currency.").default(Literal::Number(1.0));
         POWER = number("power", NumberRange::Positive, "Exponent of a reciprocal cost, at most 10.").default(Literal::Number(1.0));
         RATE = number("rate", NumberRange::Positive, "Rate of an exponential cost, at most 20.").default(Literal::Number(1.0));

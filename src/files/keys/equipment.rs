@@ -79,7 +79,7 @@ key_table! {
 }
 
 key_table! {
-    keep_out, "a keep-out box", "Box, fixed in the world, that nothing may enter.", {
+    keep_out, "a keep-out box", "Box, fixed in the world, that equipment, robot, tool and held parts may not enter. Obstacles may.", {
         MIN = vector("min_mm", "Corner with the least x, y and z, in the world frame.").required();
         MAX = vector("max_mm", "Corner with the greatest x, y and z, in the world frame.").required();
     }

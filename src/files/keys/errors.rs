@@ -108,9 +108,9 @@ key_table! {
 }
 
 key_table! {
-    elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
+    elastic_term, "an elastic term", "Deflection of a joint under the weight that acts at the end of a link and beyond: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its D-H row: the row of the joint or a later row. The link leads from the frame before its row to the frame after its row.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number of the D-H row of the link whose horizontal lever counts: the row of the joint or a later row. The link extends from the frame before this row to the frame after it.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }

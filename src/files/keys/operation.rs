@@ -71,7 +71,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in the axes of the surface or the tool, or a sense that the cell defines.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");
-        RELATIVE_TO = text("relative_to", "Earlier operation that picked the part placed here: errors common to both operations cancel.").example("\"picking\"");
+        RELATIVE_TO = text("relative_to", "Earlier operation that picks the part placed here. Errors common to both operations cancel.").example("\"picking\"");
         TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach the surface frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retract along the tool axis.");

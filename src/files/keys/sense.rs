@@ -26,7 +26,7 @@ key_table! {
         PLANE = direction("plane", "Error in the plane perpendicular to this vector.");
         AXIS = direction("axis", "Rotation about this vector.");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the term.").default(Literal::Number(1.0));
-        LEVER = number("mm_per_deg", NumberRange::Positive, "Length in mm that counts as much as one degree, so that rotations and lengths can be added.").example("2");
+        LEVER = number("mm_per_deg", NumberRange::Positive, "Conversion of a rotation to a length, so that both can be added: one degree counts as this length in mm.").example("2");
     }
     rules [
         Rule::OneAtMost(&WAYS),

@@ -120,7 +120,7 @@ key_table! {
 
 key_table! {
     link_solid, "a solid", "Solid on a link: a name, a link and one shape.", {
-        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "Frame that the solid moves with: 0 is the base, k the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
+        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "Frame with which the solid moves: 0 is the base, and k is the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
     }
     extends super::solid::TABLE;
 }

@@ -114,7 +114,8 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
         (error_set::JOINTS, is_joint, "x and ry of joint 1 are the same errors as dl and dbeta", place);
     for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
         let at = t.get(&key).map_or(t.at, |node| node.at);
-        let message = format!("{what} of row 1, because this robot has modified rows");
+        let message =
+            format!("{what} of row 1, because the rows of this robot follow the modified D-H convention");
         t.error(at, message, format!("state this error as {place}"));
     }
 }

@@ -258,7 +258,7 @@ pub fn warn_of_slants(
             (
                 "parallel",
                 format!(
-                    "; their rows have an offset of {away:.3} m along the axes, so errors of these rows mean little"
+                    "; their rows have an offset of {away:.3} m along the axes, so errors stated for these rows are not meaningful"
                 ),
             )
         } else {

@@ -48,8 +48,8 @@ fn figures(a: &Assessment<'_>) -> PageTable {
     }
     let head = ["operation", "sense", "", "unit", sample, "worst case", "rms", "mean", "p95", "p99"];
     let note = match a.cell.errors_compensate() {
-        true => "The errors of the sample compensate each other in one calibrated arm. Read as \
-        tolerances, they exceed the length of the arm, so there is no worst case, and there are no statistics."
+        true => "The errors of the sample compensate each other in one calibrated arm. As \
+        tolerances, they would exceed the length of the arm, so neither a worst case nor statistics exist."
             .into(),
         false => spread(a),
     };

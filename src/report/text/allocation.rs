@@ -124,16 +124,17 @@ fn costs(d: &AllocationDocument) -> String {
     let _ = match &d.uniform {
         Some(u) => writeln!(
             out,
-            "  uniform tightening to {} of each tolerance costs {}; the cheapest set saves {} %",
+            "  multiplying every tolerance by {} costs {}; the cheapest tolerances save {} % of this cost",
             fixed(u.scale, 4),
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
         ),
-        None => writeln!(out, "  no uniform tightening within the ranges meets the limits"),
+        None => writeln!(out, "  no common factor for all tolerances within the ranges meets the limits"),
     };
     let _ = writeln!(
         out,
-        "  no tolerances within the ranges cost less than {} (duality gap at most {gap:.0e})",
+        "  according to the linear error model, no tolerances within the ranges cost less than {} (duality gap at most \
+         {gap:.0e})",
         fixed(bound, 6)
     );
     out
@@ -155,7 +156,7 @@ fn bindings(d: &AllocationDocument) -> String {
         let (name, node) = (shown(&r.operation), format!("({}, {})", r.node[0], r.node[1]));
         let _ = writeln!(
             out,
-            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): a limit {} {unit} higher would save {} %",
+            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): raising this limit by {} {unit} would save {} % of the cost",
             rounded(r.limit, 6),
             fixed(r.before, 4),
             rounded(step, 9),

@@ -125,7 +125,7 @@ fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
         "the whole cell may be rotated about the base axis by {least} to {most} deg while the objective \
-        grows by at most the indifference (limit: {})\n",
+        grows by at most the indifference (limited by: {})\n",
         turn.ends_with
     )
 }

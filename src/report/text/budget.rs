@@ -33,7 +33,11 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
         Some(_) => format!("largest share of the {by} first"),
         None => "largest effect first".into(),
     };
-    let _ = writeln!(out, "  in {}, {order}; x, y, z: linear effects {at}, world axes", evaluator.sense.name);
+    let _ = writeln!(
+        out,
+        "  sense {}, {order}; columns x, y, z: linear effects {at}, in world axes",
+        evaluator.sense.name
+    );
     out.push_str(&shares(a));
     out.push_str(&totals(a));
     out.push_str(&verdicts(a));

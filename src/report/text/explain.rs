@@ -143,7 +143,7 @@ fn effects(e: &Explanation<'_>) -> String {
     sum.push(triple(&e.lines.iter().map(|l: &ParameterEffect| l.term().position).sum(), 5, mm_from_m));
     table.row(sum);
     format!(
-        "\n4. Effect on the TCP: g = w x (p - o) for a turn, g = w for a slide; unit 1 deg or 1 mm{elastic}; {sample}\n{}",
+        "\n4. Effect on the TCP: g = w x (p - o) for a rotation, g = w for a translation; unit 1 deg or 1 mm{elastic}; {sample}\n{}",
         table.render()
     )
 }

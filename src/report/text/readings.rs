@@ -80,13 +80,16 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
-            "{} is a tolerance: there is no signed sample that could choose a spot",
+            "{} is a set of tolerances without a signed sample, so no spot can be chosen by a signed sample",
             shown(r.cell.error_set().name())
         )];
     }
     let Some((k, row, ratio)) = r.largest_regret() else { return Vec::new() };
     if ratio < 1.0 + 5e-4 {
-        return vec!["choosing the spot by the signed sample costs nothing in any other reading".into()];
+        return vec![
+            "the spot chosen by the signed sample is as good as the best spot under every other reading"
+                .into(),
+        ];
     }
     vec![format!(
         "the spot that the signed sample chooses has up to {} times the least value of the {} ({}, {})",

@@ -63,16 +63,16 @@ fn the_text_tells_costs_limits_and_what_to_do_next() {
     for part in [
         "the worst case of assembly at most 20 mm at node",
         "cost 11.000000 now",
-        "uniform tightening",
-        "the cheapest set saves",
-        "a limit 0.1 mm higher would save",
+        "multiplying every tolerance by",
+        "the cheapest tolerances save",
+        "raising this limit by 0.1 mm would save",
         "according to the nonlinear model",
         "may be loosened: ",
         "duality gap at most",
     ] {
         assert!(ran.out.contains(part), "no {part:?}: {}", ran.out);
     }
-    assert!(ran.err.contains("note: the errors are read as worst-case tolerances"), "{}", ran.err);
+    assert!(ran.err.contains("note: the errors are interpreted as worst-case tolerances"), "{}", ran.err);
     assert!(
         ran.err.contains("next: sweetspot allocate cells/hitachi_cell.toml --limit 20 --toml"),
         "{}",
@@ -110,7 +110,7 @@ fn questions_without_an_answer_exit_2() {
         (&["allocate", CELL, "--limit", "-1"], "greater than 0"),
         (
             &["allocate", "cells/ur_cell.toml", "--limit", "9"],
-            "they compensate each other in one calibrated arm",
+            "in the calibrated arm, these errors compensate each other",
         ),
     ] {
         let ran = shop.run(args);
@@ -244,7 +244,7 @@ fn the_chart_has_a_bar_for_each_tolerance() {
     for part in [
         "Cheapest tolerances",
         "cost 12 now, 11.243 with the cheapest",
-        "the cheapest set saves 33.2 %",
+        "the cheapest tolerances save 33.2 %",
         "dl2 \u{b1}1 \u{2192} 1.7584 mm",
     ] {
         assert!(svg.contains(part), "no {part:?}: {svg}");

@@ -104,5 +104,5 @@ fn presets_are_listed_and_wrong_questions_refused() {
         words.iter().for_each(|word| assert!(ran.err.contains(word), "{args:?}: no {word:?} in {}", ran.err));
     }
     let taught = shop.done(&["errors", "ur5e", "--ap", "0.05", "--rp", "0.03"]);
-    assert!(taught.err.contains("often applies to taught poses"), "{}", taught.err);
+    assert!(taught.err.contains("often state such an AP for taught poses"), "{}", taught.err);
 }

@@ -257,14 +257,17 @@ fn check_states_which_postures_a_search_judges() {
     let (text, order) = judged("cells/ur_cell.toml");
     assert!(
         text.contains(
-            ": a search excludes nodes by a value field, then skips spin families whose lower bound"
+            ": a search first excludes nodes by a value field (a table of lower bounds), then skips spin families"
         ),
         "{text}"
     );
     assert_eq!((&order["judges"], &order["why_no_field"]), (&"spin-families".into(), &Value::Null));
     let (text, order) = judged("cells/track_cell.toml");
     let why = "the first joint does not rotate the arm about the z axis of the robot base";
-    assert!(text.contains(&format!("; no value field: {why}")), "{text}");
+    assert!(
+        text.contains(&format!("; it uses no value field (a table of lower bounds), because {why}")),
+        "{text}"
+    );
     assert_eq!(order["why_no_field"], why);
     let (_, order) = judged("cells/offset_wrist_cell.toml");
     assert_eq!(order["judges"], "spin-families");
@@ -294,13 +297,13 @@ fn check_states_how_the_errors_are_read() {
     shop.write("cells/tolerance.toml", TOLERANCE);
     let signed = shop.done(&["check", PAPER]);
     assert!(
-        signed.out.contains("3 error sets; table-3 is a signed sample, read as signed"),
+        signed.out.contains("3 error sets; chosen: table-3 (a signed sample) with the reading signed"),
         "{}",
         signed.out
     );
     let tolerance = shop.done(&["check", "cells/tolerance.toml"]);
     assert!(
-        tolerance.out.contains("table-3-tolerance is a tolerance, read as statistical"),
+        tolerance.out.contains("chosen: table-3-tolerance (a tolerance) with the reading statistical"),
         "{}",
         tolerance.out
     );
@@ -352,7 +355,11 @@ fn errors_that_compensate_each_other_are_not_tolerances() {
     assert!(!other.err.contains("compensate"), "{}", other.err);
     for (cell, has_none) in [("ur_cell", true), ("hitachi_cell", false)] {
         shop.done(&["report", &format!("cells/{cell}.toml"), "-o", "report.html"]);
-        assert_eq!(shop.text("report.html").contains("so there is no worst case"), has_none, "{cell}");
+        assert_eq!(
+            shop.text("report.html").contains("so neither a worst case nor statistics exist"),
+            has_none,
+            "{cell}"
+        );
         let map = shop.json(&["map", &format!("cells/{cell}.toml")]);
         let nodes = items(&map["operations"][0]["nodes"]);
         let node = nodes.iter().find(|node| node["status"] == "ok").unwrap();

@@ -164,7 +164,7 @@ fn budget_and_explain_refuse_bad_nodes() {
         let ran = shop.run(&[command, "cells/spin.toml"]);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
         assert!(
-            ran.err.contains("operation assembly: the arm has no axis that rotates the tool"),
+            ran.err.contains("operation assembly: no joint of the arm rotates the tool about the tool axis"),
             "{}",
             ran.err
         );

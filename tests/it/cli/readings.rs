@@ -75,7 +75,7 @@ fn the_rows_of_readings_agree_with_map() {
 fn readings_of_a_tolerance_set_have_no_signed_rows() {
     let shop = Sandbox::new();
     let ran = shop.done(&["readings", PAPER, "--errors", "table-3-tolerance"]);
-    assert!(ran.out.contains("is a tolerance: there is no signed sample"), "{}", ran.out);
+    assert!(ran.out.contains("is a set of tolerances without a signed sample"), "{}", ran.out);
     let document = shop.json(&["readings", PAPER, "--errors", "table-3-tolerance"]);
     assert_eq!(document["largest_regret"], Value::Null);
     for row in rows(&document["operations"][0]) {

@@ -58,7 +58,7 @@ fn the_pages_call_a_singular_node_singular_and_not_colliding() {
     with_singular_nodes(|a, drawing| {
         let viewer = report::json::drawings(std::slice::from_ref(drawing));
         let fields = viewer["drawings"][0]["fields"].as_array().unwrap().clone();
-        let live = report::json::answer(a);
+        let live = report::json::value(&report::json::answer(a));
         let nodes = live["operations"].as_array().unwrap().iter().map(|o| o["nodes"].clone());
         let table = assets::node_signs();
         let mut singular = [0, 0];

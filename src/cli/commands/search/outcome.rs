@@ -84,15 +84,24 @@ impl<'a> SearchOutcome<'a> {
         let best = comparison.columns.last().map(|best| best.proven(proof));
         let (proof, gap) = best.unwrap_or_else(|| ((*proof).clone(), None));
         let said = match (record.ended, record.found()) {
-            (SearchEnd::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
+            (SearchEnd::NothingToSearch, _) => {
+                "nothing to search: every placement and attitude is fixed".to_string()
+            }
             (_, false) => "no feasible layout found; `best` is the layout closest to feasible".to_string(),
             (_, true) => match comparison.change_percent(1, Assessment::objective) {
-                Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
+                Some(change) if change > -0.05 => {
+                    "no layout better than the start layout was found".to_string()
+                }
                 Some(change) => {
-                    let word = objective_word(cell);
+                    let word = match cell.search.robust {
+                        true => {
+                            format!("proven bound of the {} over the misplacements", objective_word(cell))
+                        }
+                        false => objective_word(cell),
+                    };
                     format!(
                         "gain: the {word} of the best layout is {:.1} % lower than that of the \
-                    start",
+                    start layout",
                         -change
                     )
                 }

@@ -96,7 +96,7 @@ impl PlanarArm {
             return Err("axes 2, 3 and 4 are not parallel (alpha_2 and alpha_3 are not 0)".into());
         }
         if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
-            return Err("an arm link has no length (l_2 or l_3 is 0)".into());
+            return Err("the length of an arm link is 0 (l_2 or l_3)".into());
         }
         if (chain.mount.rotation.column(2) - Vector3::z()).norm() > IN_PLACE {
             return Err("the first axis is not vertical".into());

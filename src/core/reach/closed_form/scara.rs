@@ -64,7 +64,7 @@ impl Scara {
         };
         arm.measure(chain);
         if arm.sides[1].norm() < 1e-6 || arm.sides[2].norm() < 1e-6 {
-            return Err("an arm link has no length".into());
+            return Err("one of the two arm links has the length 0".into());
         }
         Ok(arm)
     }

@@ -83,7 +83,7 @@ impl ThreeJoints {
         }
         if !self.point.moves_in_space() {
             return Err(
-                "in no posture can the first three joints move the wrist centre in all directions".into()
+                "the first three joints cannot move the wrist centre in all directions in any posture".into(),
             );
         }
         Ok(())

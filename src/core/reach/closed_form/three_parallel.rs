@@ -79,10 +79,10 @@ impl ThreeParallel {
             return Err("axes 2, 3 and 4 are not exactly parallel (alpha_2, alpha_3)".into());
         }
         if [a, d, e].iter().any(|l| l.sin_alpha.abs() < 1e-6) {
-            return Err("axis 1, 5 or 6 is parallel to its neighbour (alpha_1, alpha_4 or alpha_5)".into());
+            return Err("axes 1 and 2, 4 and 5, or 5 and 6 are parallel (alpha_1, alpha_4 or alpha_5)".into());
         }
         if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
-            return Err("an arm link has no length (l_2 or l_3 is 0)".into());
+            return Err("the length of an arm link is 0 (l_2 or l_3)".into());
         }
         if e.l.abs() > 1e-12 {
             return Err("axes 5 and 6 do not intersect (l_5 is not 0)".into());
