@@ -3,6 +3,7 @@
 
 use crate::cell::{Cell, Layout, Slot};
 use crate::layout::{Workcell, evaluate};
+use crate::motion::DEVIATION;
 use crate::safe_text::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
@@ -55,6 +56,15 @@ fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
             true => low = middle,
             false => high = middle,
         }
+    }
+    if low == 0.0 {
+        let keys = slots.iter().map(|slot| format!("{} of {}", KEYS[axis(*slot)], owner(cell, *slot)));
+        return Some(format!(
+            "even very small placement tolerances make the layout infeasible: {}. With a tolerance above 0, a certified \
+             path must keep {} mm more than the clearance, so a larger standoff or a smaller clearance may help",
+            keys.collect::<Vec<_>>().join(", "),
+            rounded(mm_from_m(2.0 * DEVIATION), 3)
+        ));
     }
     let named = |slot: &Slot| {
         let value = *tolerance(&mut cell.clone(), *slot);

@@ -3,7 +3,7 @@
 use super::harmonics::wave;
 use super::unknown::Unknown;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, PER_LINK, Parameter};
-use crate::pose::Pose;
+use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::{Chain, lever};
 use nalgebra::{Matrix3, Vector3};
 
@@ -74,6 +74,16 @@ impl Deformed {
             at = Pose { rotation: rotation * twist * about(1, dbeta), translation };
         }
         Self { interface: at, before, normal, after, q: *q, levers }
+    }
+
+    /// Returns the chain with its mechanical interface displaced by a small motion, base frame.
+    pub fn displaced(mut self, by: &Displacement) -> Self {
+        let small = SmallRotation::of(&by.rotation);
+        let turned = |axis: Vector3<f64>| axis + small.moved(&axis);
+        let columns = [0, 1, 2].map(|k| turned(self.interface.rotation.column(k).into_owned()));
+        let translation = self.interface.translation + by.position;
+        self.interface = Pose { rotation: Matrix3::from_columns(&columns), translation };
+        self
     }
 
     /// Returns the motion of the point `x` (m, base frame) per unit of an unknown.

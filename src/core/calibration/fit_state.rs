@@ -13,7 +13,7 @@ use nalgebra::{Cholesky, Const, Matrix3, Vector3};
 /// Normalized residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
 /// Prior standard deviation of each coordinate of a reflector, m.
-pub(super) const FARTHEST_REFLECTOR: f64 = 1.0;
+pub(super) const FARTHEST_REFLECTOR: f64 = 0.3;
 
 /// Arm and unknowns of a fit.
 #[derive(Debug, Clone, Copy)]

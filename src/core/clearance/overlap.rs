@@ -3,6 +3,9 @@
 use crate::cell::Cell;
 use crate::units::mm_from_m;
 
+/// Rounding error of a sum of distances, m.
+const ROUNDING: f64 = 1e-9;
+
 /// Participant of an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Party {
@@ -64,6 +67,9 @@ impl Overlap {
         // The distance and the clearance could look equal with one decimal.
         let near =
             if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm instead of") };
-        format!("{a} is nearer to {b} than the clearance: {near} {clearance:.1} mm {how}")
+        // The placement tolerances enlarge the distance that is demanded.
+        let with =
+            if self.clearance > cell.clearance + ROUNDING { " with the placement tolerances" } else { "" };
+        format!("{a} is nearer to {b} than the clearance{with}: {near} {clearance:.1} mm {how}")
     }
 }

@@ -15,6 +15,9 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 /// Least standard deviation of a measured position per axis, m; no instrument is more accurate.
 const FINEST: f64 = 1e-6;
 
+/// Largest distance, m, between the positions of a reflector in the fits of two arms.
+const FARTHEST: f64 = 0.3;
+
 /// Measured and predicted errors of one session.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredComparison {
@@ -90,6 +93,28 @@ impl MeasuredComparison {
     }
 }
 
+/// Returns the positions of the reflectors that fit best to an arm with the mean errors of the prediction, in
+/// the frame of the mechanical interface, m.
+///
+/// The nominal arm may leave the height of a reflector undetermined, for example if the mechanical interface
+/// always points down. The tilts of an arm with errors often determine this height. A position that is far
+/// from the fit of the nominal arm is determined by neither, and the fit of the nominal arm is kept.
+fn reflectors_of_prediction(
+    errors: &PredictedErrors,
+    measured: &[MeasuredPosition],
+    nominal: &[Deformed],
+    frames: &SessionFrames,
+) -> Option<Vec<Vector3<f64>>> {
+    let interface = errors.at_reflector(&Vector3::zeros());
+    let with_errors = measured.iter().zip(nominal).map(|(m, pose)| {
+        let displacement = interface.mean_displacement(&interface.frames(&m.joints));
+        pose.clone().displaced(&displacement)
+    });
+    let found = aligned(&with_errors.collect::<Vec<_>>(), measured)?.reflectors;
+    let both = frames.reflectors.iter().zip(found);
+    Some(both.map(|(own, found)| if (own - found).norm() < FARTHEST { found } else { *own }).collect())
+}
+
 /// Compares all poses of a session; `frames` is the fit of the nominal arm to the measured positions.
 fn compared(
     errors: &PredictedErrors,
@@ -97,8 +122,9 @@ fn compared(
     nominal: &[Deformed],
     frames: &SessionFrames,
 ) -> Option<Vec<ComparedPose>> {
+    let reflectors = reflectors_of_prediction(errors, measured, nominal, frames)?;
     let mut reflectors: Vec<ReflectorErrors<'_>> =
-        frames.reflectors.iter().map(|reflector| errors.at_reflector(reflector)).collect();
+        reflectors.iter().map(|reflector| errors.at_reflector(reflector)).collect();
     let postures: Vec<Frames> = measured.iter().map(|m| reflectors[m.reflector].frames(&m.joints)).collect();
     let predicted = measured.iter().zip(&postures).map(|(m, posture)| MeasuredPosition {
         position: posture.tcp.translation + reflectors[m.reflector].mean(posture),

@@ -1,7 +1,8 @@
 //! Prediction of measured position errors from the errors of the robot of a cell.
 
 use crate::cell::{Cell, ErrorSet, Model, Reading};
-use crate::kinematic_error::{Expansion, Perturbation, position_error};
+use crate::kinematic_error::{Expansion, Perturbation, pose_error, position_error};
+use crate::pose::Displacement;
 use crate::reading::{Effects, ErrorSources};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -97,6 +98,11 @@ impl ReflectorErrors<'_> {
     /// Returns the position error of the reflector that the mean errors cause, m, base frame.
     pub fn mean(&self, frames: &Frames) -> Vector3<f64> {
         position_error(frames, &self.means, self.errors.model)
+    }
+
+    /// Returns the displacement that the mean errors cause at the reflector, base frame.
+    pub fn mean_displacement(&self, frames: &Frames) -> Displacement {
+        pose_error(frames, &self.means, self.errors.model)
     }
 
     /// Returns displacements of the reflector, m, base frame: one for each independent random factor, at one
