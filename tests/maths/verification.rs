@@ -256,3 +256,24 @@ fn measured_angles_are_equal_modulo_a_turn_and_lengths_are_not() {
         assert_eq!(found, (of_angles, of_lengths), "{q} in {range:?}");
     }
 }
+
+/// The flange of a SCARA always points down, so the nominal arm leaves the height of a reflector undetermined.
+/// With the true errors, the prediction still agrees with the measurement.
+#[test]
+fn reflectors_below_a_vertical_flange_are_predicted_with_the_true_errors() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut cell = from_text(&cell_of_robot("adept_cobra_s600")).unwrap().cell;
+    let chain = Chain::new(&cell.robot);
+    let unknowns = unknowns(&chain, false);
+    let truth: Vec<f64> = unknowns.iter().map(|u| u.default_prior(&chain) * normal(&mut rng)).collect();
+    let postures: Vec<_> = (0..60).map(|k| chain.halton_sample(k)).collect();
+    let noise = 2e-5;
+    let session = session(&chain, &postures, (&unknowns, &truth), (noise, &mut rng));
+    let signed = SignedErrors::of_values("true".into(), 4, &values(4, &unknowns, &truth));
+    (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
+    cell.reading = Reading::Signed;
+    let found = compared(&cell, &session);
+    // The length of a vector of three normal deviations rarely exceeds four standard deviations.
+    assert!(found.residual.max < 4.5 * noise, "{:?}", found.residual);
+    assert!(found.measured.mean > 10.0 * found.residual.mean, "{:?} {:?}", found.measured, found.residual);
+}
