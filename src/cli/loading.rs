@@ -1,7 +1,7 @@
 //! Reading of files inside the folder of the cell, and atomic writing of files.
 
 use super::packages::PackageFolders;
-use super::{Exit, output};
+use super::{Exit, output, read_files};
 use crate::cli::mutex::locked;
 use crate::files;
 use crate::files::{Fault, FaultKind, FileContent, Loaded, LoadedRobot, Setting, shown};
@@ -192,6 +192,7 @@ pub fn file_bytes(real: &Path) -> Result<Vec<u8>, String> {
     if about.len() > MAX_BYTES {
         return Err(format!("its size is {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
     }
+    read_files::note(real);
     std::fs::read(real).map_err(|e| reason(&e))
 }
 
@@ -208,6 +209,7 @@ pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {
 /// Reads the bytes of a data file that the user names, without decompressing a gzip file. Prints a message if
 /// the file cannot be read.
 pub fn read_packed(path: &Path) -> Result<Vec<u8>, Exit> {
+    read_files::note(path);
     std::fs::read(path).map_err(|e| {
         output::error(&format!("cannot read {}: {}", output::path_word(path), reason(&e)));
         Exit::Io
@@ -215,6 +217,7 @@ pub fn read_packed(path: &Path) -> Result<Vec<u8>, Exit> {
 }
 
 fn read_unpacked(path: &Path) -> Result<Vec<u8>, String> {
+    read_files::note(path);
     let file = std::fs::File::open(path).map_err(|e| reason(&e))?;
     if !file.metadata().map_err(|e| reason(&e))?.is_file() {
         return Err("it is not a file".into());
@@ -247,6 +250,21 @@ pub fn reason(e: &std::io::Error) -> String {
 /// Writes a file atomically: writes a temporary file in the same folder, syncs it and renames it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     replace(path, bytes).map_err(|e| cannot_write(path, &e))
+}
+
+/// Writes a file that the user names, atomically. Refuses a name of something else than a file, and of a file
+/// that this command has read.
+pub fn write_output(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+    let (why, exit) = match path.metadata() {
+        Ok(about) if !about.is_file() => ("it exists and is not a file", Exit::Io),
+        Ok(_) if read_files::contains(path) => {
+            ("this command reads the file, and the output would replace it", Exit::BadInput)
+        }
+        _ => return write_whole(path, bytes),
+    };
+    output::error(&format!("cannot write {}: {why}", output::path_word(path)));
+    output::talk("  help: choose another name for the output");
+    Err(exit)
 }
 
 /// Writes a file atomically, and prints nothing.

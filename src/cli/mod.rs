@@ -24,6 +24,7 @@ mod output;
 mod output_folder;
 mod packages;
 mod progress;
+mod read_files;
 mod report_source;
 mod results;
 mod results_folder;

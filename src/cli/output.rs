@@ -132,7 +132,9 @@ pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
 
 /// Returns a path quoted for a shell.
 pub fn path_word(path: &Path) -> String {
-    word(&path.to_string_lossy())
+    let text = path.to_string_lossy();
+    // A program would take a leading hyphen for an option.
+    if text.starts_with('-') { word(&format!("./{text}")) } else { word(&text) }
 }
 
 /// Returns a word quoted for a shell, if it needs quotes.

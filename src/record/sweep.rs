@@ -3,6 +3,7 @@
 use super::manifest::HashedFile;
 use super::numbers::{in_unit, nine_digits, position_mm, rounded_down};
 use super::placement::{ByName, PlacementEntry, placements};
+use super::verdict::RequirementState;
 use crate::assess::Assessment;
 use crate::cell::{Solver, Unit};
 use crate::files::{Choices, Setting};
@@ -158,8 +159,11 @@ pub struct SweepSpot {
     /// Largest allowed error of the operation, in `error_unit`.
     pub limit: Option<f64>,
     pub error_unit: Unit,
-    /// Whether the limit is met; null if the operation has no limit or no spot.
+    /// Whether the limit is met; null if the operation has no limit or no spot. A limit that is not guaranteed
+    /// over the misplacements counts as missed.
     pub limit_met: Option<bool>,
+    /// Whether the operation meets its limit, with the case that the limit is not guaranteed.
+    pub requirement: RequirementState,
 }
 
 impl SweepRow {
@@ -189,12 +193,21 @@ impl SweepRow {
     }
 }
 
+impl SweepRow {
+    /// Returns whether no limit of the operations is missed.
+    pub fn meets_limits(&self) -> bool {
+        self.operations.iter().all(|spot| spot.limit_met != Some(false))
+    }
+}
+
 impl SweepSpot {
     fn new(a: &Assessment<'_>, k: usize) -> Self {
         let operation = &a.cell.operations[a.maps[k].operation];
         let (error_unit, at) = (operation.sense.unit, a.spot(k));
         let error = a.error_at(k, &operation.sense.name);
         let limit = operation.limit.map(|limit| error_unit.from_si(limit));
+        let within = || error.zip(limit).map(|(error, limit)| error <= limit);
+        let requirement = a.requirement(k);
         Self {
             name: operation.name.clone(),
             value: at.map(|(_, p)| in_unit(a.cell.unit(), p.value)),
@@ -202,7 +215,13 @@ impl SweepSpot {
             error: error.map(nine_digits),
             limit: limit.map(nine_digits),
             error_unit,
-            limit_met: error.zip(limit).map(|(error, limit)| error <= limit),
+            limit_met: requirement.map(|r| r.is_met()).or_else(within),
+            requirement: match (requirement, within()) {
+                (Some(r), _) => RequirementState::of(r),
+                (None, Some(true)) => RequirementState::Met,
+                (None, Some(false)) => RequirementState::Missed,
+                (None, None) => RequirementState::None,
+            },
         }
     }
 }
@@ -274,7 +293,10 @@ fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a 
     let unit = feasible.clone().next()?.unit;
     let is_one_unit = feasible.clone().all(|r| r.unit == unit);
     let objective = |r: &SweepRow| r.objective.unwrap_or(f64::INFINITY);
-    feasible.min_by(|a, b| objective(a).total_cmp(&objective(b))).filter(|_| is_one_unit)
+    let order = |a: &&SweepRow, b: &&SweepRow| {
+        b.meets_limits().cmp(&a.meets_limits()).then(objective(a).total_cmp(&objective(b)))
+    };
+    feasible.min_by(order).filter(|_| is_one_unit)
 }
 
 /// Returns a group for every value of every `--set` option. The values of an option are in the order in which

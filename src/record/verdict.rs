@@ -4,6 +4,7 @@ use super::cell_yield::CellYieldEntry;
 use super::placement::PlacementEntry;
 use super::region::TurnEntry;
 use super::words::VALUE_WORDS;
+use crate::assess::Requirement;
 use crate::cell::{Objective, Unit};
 use crate::search::SearchEnd;
 use schemars::JsonSchema;
@@ -80,8 +81,22 @@ pub enum VerdictAnswer {
 pub enum RequirementState {
     Met,
     Missed,
-    /// No operation has a limit.
+    /// The error of the layout as drawn is within the limit, but its bound over all misplacements is not, or is
+    /// not known.
+    NotGuaranteed,
+    /// There is no limit.
     None,
+}
+
+impl RequirementState {
+    /// Returns the state of a limit.
+    pub fn of(requirement: Requirement) -> Self {
+        match requirement.is_met() {
+            true => Self::Met,
+            false if requirement.is_unproven() => Self::NotGuaranteed,
+            false => Self::Missed,
+        }
+    }
 }
 
 /// Key figure of the verdict, with its description.
@@ -156,6 +171,11 @@ pub struct VerdictSpot {
     pub limit: Option<f64>,
     /// Limit minus the value of the operation; negative if the value exceeds the limit.
     pub margin: Option<f64>,
+    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
+    /// not certified, or if no bound is known.
+    pub worst: Option<f64>,
+    /// Whether the operation meets its limit.
+    pub requirement: RequirementState,
     /// Sentence that states spot, value and position.
     pub text: String,
 }

@@ -93,3 +93,20 @@ fn a_layout_without_overlap_stays_and_a_fixed_overlap_cannot_be_resolved() {
     assert!(overlapping(&workcell, &workcell.cell.start()));
     assert_eq!(separated(&workcell, &workcell.cell.start()), None);
 }
+
+#[test]
+fn the_yaw_of_a_placement_from_the_base_is_at_most_half_a_turn() {
+    use sweetspot::cell::Placement;
+    let at = |yaw_deg: f64| Placement::from_values([0.1, 0.2, 0.0, f64::to_radians(yaw_deg)]);
+    for (table, base, expected) in
+        [(315.0, -90.0, 45.0), (-170.0, 100.0, 90.0), (30.0, 10.0, 20.0), (180.0, 0.0, 180.0)]
+    {
+        let seen = at(table).from_base(&at(base));
+        assert!(
+            (seen.yaw.to_degrees() - expected).abs() < 1e-9,
+            "{table} from {base}: {}",
+            seen.yaw.to_degrees()
+        );
+        assert_eq!(Placement { yaw: 0.0, ..seen }, Placement { yaw: 0.0, ..at(table).seen_from(&at(base)) });
+    }
+}

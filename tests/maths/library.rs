@@ -215,3 +215,21 @@ fn cells_of_the_families_start_without_overlap_and_collision() {
         assert_eq!(scene.hit(&placed, &frames.links, None), None, "{name} at home");
     }
 }
+
+/// The axial offsets of almost parallel axes are huge, but the arm reaches no farther.
+#[test]
+fn the_reach_of_almost_parallel_axes_is_bounded_tightly() {
+    let (_, mut robot) = crate::common::robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let nominal = robot.reach();
+    let (tilt, far) = (1e-3, 500.0);
+    robot.joints[1].alpha += tilt;
+    robot.joints[1].r += far;
+    robot.joints[2].r -= far * f64::cos(tilt);
+    let chain = sweetspot::robot::Chain::new(&robot);
+    let farthest = (0..5000)
+        .map(|k| chain.forward(&chain.posture(&chain.halton_sample(k))).translation.xy().norm())
+        .fold(0.0, f64::max);
+    let reach = robot.reach();
+    // The tilt moves the axes apart by half a metre.
+    assert!(reach >= farthest && reach < nominal + 1.2 * far * tilt, "{reach} m, {farthest} m reached");
+}

@@ -2666,7 +2666,11 @@ class SweepSpot(Record):
     """Largest allowed error of the operation, in `error_unit`."""
     error_unit: Literal['share', 'cost', 'mm', 'deg']
     limit_met: Optional[bool]
-    """Whether the limit is met; null if the operation has no limit or no spot."""
+    """Whether the limit is met; null if the operation has no limit or no spot. A limit that is not guaranteed
+    over the misplacements counts as missed.
+    """
+    requirement: Literal['not-guaranteed', 'none', 'met', 'missed']
+    """Whether the operation meets its limit, with the case that the limit is not guaranteed."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2934,7 +2938,7 @@ class VerdictDocument(Record):
     gain_percent: Optional[float]
     bound: Optional[float]
     gap_percent: Optional[float]
-    requirement: Literal['none', 'met', 'missed']
+    requirement: Literal['not-guaranteed', 'none', 'met', 'missed']
     runner_up: Optional[RunnerUpEntry]
     facts: Table[FactEntry]
     cell_yield: Optional[CellYieldEntry]
@@ -2996,6 +3000,12 @@ class VerdictSpot(Record):
     limit: Optional[float]
     margin: Optional[float]
     """Limit minus the value of the operation; negative if the value exceeds the limit."""
+    worst: Optional[float]
+    """Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
+    certified, or if no bound is known.
+    """
+    requirement: Literal['not-guaranteed', 'none', 'met', 'missed']
+    """Whether the operation meets its limit."""
     text: str
     """Sentence that states spot, value and position."""
 

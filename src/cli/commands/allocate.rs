@@ -33,7 +33,7 @@ pub fn allocate(a: &AllocateArguments) -> Result<Exit, Exit> {
     };
     let document = AllocationDocument::new(&problem, found.as_ref().map_err(Vec::as_slice));
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::chart::allocation(&document).as_bytes())?;
+        loading::write_output(path, report::chart::allocation(&document).as_bytes())?;
         output::talk(&format!("wrote {}", path_word(path)));
     }
     if a.json {
@@ -111,7 +111,10 @@ fn next(a: &AllocateArguments, is_kept: bool) -> String {
     let flags = a.question.words();
     match (is_kept, a.toml) {
         (true, false) => format!("allocate {of}{operation}{at}{nodes}{flags} --toml"),
-        (true, true) => format!("check {of}, with these tables in copies of its files"),
+        (true, true) => {
+            let file = if a.of.is_dir() { path_word(&a.of.join("best.toml")) } else { of };
+            format!("check {file}, with these tables in copies of its files")
+        }
         (false, _) => format!("budget {of}{operation}{at}{flags}"),
     }
 }

@@ -7,7 +7,7 @@ use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::{suggest, suggest_with};
 use crate::calibration::{
-    GrossError, MeasuringSession, Unknown, calibrate as fitted, drawn, gross_errors, harmonics,
+    GrossError, GrossErrors, MeasuringSession, Unknown, calibrate as fitted, drawn, gross_errors, harmonics,
 };
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::{path_word, word};
@@ -79,7 +79,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     }
     if let Some(path) = &a.svg {
         let drawn = report::chart::joint_residuals(&robot, &sessions, &calibration.sessions);
-        loading::write_whole(path, drawn.as_bytes())?;
+        loading::write_output(path, drawn.as_bytes())?;
         output::talk(&format!("wrote {}", path_word(path)));
     }
     if a.json {
@@ -108,13 +108,27 @@ fn leave_out_gross_errors(
     priors: &[f64],
 ) {
     let all = gross_errors(chain, sessions, unknowns, priors);
-    for (session, errors) in sessions.iter_mut().zip(all) {
-        session.measured.retain(|m| !errors.iter().any(|error| error.is_at(m)));
-        for GrossError { row, distance, .. } in errors {
+    for (session, GrossErrors { errors, too_many }) in sessions.iter_mut().zip(all) {
+        let name = shown(&session.name);
+        if too_many {
+            let lines: Vec<_> = errors.iter().take(10).map(|error| error.row.to_string()).collect();
+            let dots = if errors.len() > lines.len() { ", ..." } else { "" };
             output::talk(&format!(
-                "warning: {}: line {row} is {} mm from its prediction, far more than the other positions; it is \
-                 left out of the fit",
-                shown(&session.name),
+                "warning: {name}: {} of {} positions look like gross errors (lines {}{dots}); these are too many to \
+                 leave out, so correct or delete them",
+                errors.len(),
+                session.measured.len(),
+                lines.join(", ")
+            ));
+            continue;
+        }
+        let has_several = session.measured.iter().any(|m| m.reflector > 0);
+        session.measured.retain(|m| !errors.iter().any(|error| error.is_at(m)));
+        for GrossError { row, reflector, distance } in errors {
+            let of = if has_several { format!(", reflector {},", reflector + 1) } else { String::new() };
+            output::talk(&format!(
+                "warning: {name}: line {row}{of} is {} mm from its prediction, far more than the other positions; it \
+                 is left out of the fit",
                 rounded(mm_from_m(distance), 3)
             ));
         }

@@ -72,7 +72,7 @@ fn output_file(a: &ExportArguments) -> PathBuf {
 }
 
 fn write(out: &Path, bytes: &[u8]) -> Result<(), Exit> {
-    loading::write_whole(out, bytes)?;
+    loading::write_output(out, bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(out), bytes.len().div_ceil(1 << 10)));
     Ok(())
 }

@@ -34,7 +34,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
     })?;
     if let Some(out) = &a.out {
         let html = page(&comparison, &a.layouts)?;
-        loading::write_whole(out, html.as_bytes())?;
+        loading::write_output(out, html.as_bytes())?;
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {

@@ -21,7 +21,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     let mut document = MapDocument::new(&assessment);
     document.measured = measured::compared(&a.measured, &workcell.cell)?;
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::chart::error_map(&assessment).as_bytes())?;
+        loading::write_output(path, report::chart::error_map(&assessment).as_bytes())?;
     }
     let written = match &a.out {
         Some(folder) => {

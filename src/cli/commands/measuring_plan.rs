@@ -83,7 +83,7 @@ fn written(
         _ => output::data(&text())?,
     }
     if let Some(path) = csv.filter(|path| !is_stdout(path)) {
-        loading::write_whole(path, &table)?;
+        loading::write_output(path, &table)?;
         output::talk(&format!("wrote {}", path_word(path)));
     }
     if a.json {

@@ -31,7 +31,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     })?;
     let Some(verdict) = verdict else { return Err(Exit::Io) };
     let report = Report { html, verdict };
-    loading::write_whole(&a.out, report.html.as_bytes())?;
+    loading::write_output(&a.out, report.html.as_bytes())?;
     tell(a, &file, &subject, &report)?;
     Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }

@@ -143,7 +143,7 @@ fn drawn(
     let envelope = Reachable::new(robot, inverse, asked, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if let Some(path) = &a.svg {
-        loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
+        loading::write_output(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
         json_text::print(&EnvelopeDocument::new(&envelope))?;

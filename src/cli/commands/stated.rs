@@ -48,12 +48,40 @@ pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
 }
 
+/// Returns the text of a URDF without its collision shapes, which a calibration does not need. The lines keep
+/// their numbers.
+fn without_collisions(text: &str) -> String {
+    let (mut out, mut rest) = (String::new(), text);
+    while let Some(start) = rest.find("<collision") {
+        let (before, element) = rest.split_at(start);
+        out.push_str(before);
+        let is_tag =
+            element["<collision".len()..].starts_with(|c: char| c.is_whitespace() || "/>".contains(c));
+        let head = element.find('>').map_or(element.len(), |end| end + 1);
+        let is_empty = element[..head].ends_with("/>");
+        let end = match (is_tag, is_empty) {
+            (false, _) => "<collision".len(),
+            (true, true) => head,
+            (true, false) => {
+                element.find("</collision>").map_or(element.len(), |at| at + "</collision>".len())
+            }
+        };
+        match is_tag {
+            true => out.extend(element[..end].chars().filter(|c| *c == '\n')),
+            false => out.push_str(&element[..end]),
+        }
+        rest = &element[end..];
+    }
+    out + rest
+}
+
 /// Reads a URDF as a robot whose tool frame is the frame of the tip link.
 ///
 /// `links` names base and tip of the chain; None means the root link and the only link without children.
 pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedRobot, Exit> {
     // Collada meshes cannot be read, but their content is not needed here.
     let text = String::from_utf8_lossy(&loading::read_data(path)?).replace(".dae", ".stl");
+    let text = without_collisions(&text);
     let name = path.file_name().map_or("robot.urdf".into(), |name| name.to_string_lossy().into_owned());
     let links = links.map_or(String::new(), |(base, tip)| {
         format!("base_link = {}\ntip_link = {}\n", toml_string(base), toml_string(tip))
@@ -105,7 +133,12 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
         json_text::print(&document)?;
     } else if a.toml {
         output::data(&report::measured_errors::stated_table(robot, &errors, &source))?;
-        suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
+        let file = if is_urdf(&a.robot) {
+            "a robot file".into()
+        } else {
+            format!("a copy of {}", path_word(&a.robot))
+        };
+        suggest(&format!("check CELL, with this table in {file}"));
     } else {
         output::data(&report::text::stated_calibration(&document, &source))?;
         suggest_with(&format!("calibrate {} {} --toml", path_word(&a.robot), path_word(path)), &a.packages);

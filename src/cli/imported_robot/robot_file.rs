@@ -9,7 +9,9 @@ pub fn guessed_preset(robot: &Robot, inverse: &Inverse) -> &'static str {
     let slides = robot.joints.iter().any(|joint| joint.kind == JointKind::Prismatic);
     let passive = robot.joints.iter().any(|joint| joint.is_passive());
     let reach = robot.reach();
-    match robot.axes() {
+    // An arm on a linear axis is judged by its other joints.
+    let turning = robot.joints.iter().filter(|joint| joint.kind == JointKind::Revolute).count();
+    match if robot.axes() > 6 { turning } else { robot.axes() } {
         3 | 4 if slides => "scara",
         _ if passive => "palletizer",
         7.. => "research",

@@ -55,7 +55,8 @@ impl<'a> Remedies<'a> {
         }
     }
 
-    /// Returns the objective of a remedy, m, rad, a share or a cost; None if its layout is not feasible.
+    /// Returns the objective of a remedy: a value in m or rad, a share, or a cost. Returns None if its layout is
+    /// not feasible.
     pub fn objective(&self, remedy: Remedy) -> Option<f64> {
         self.layout(remedy).evaluation.objective
     }

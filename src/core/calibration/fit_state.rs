@@ -3,7 +3,7 @@
 use super::deformed::{Deformed, PointMotion};
 use super::harmonics::wave;
 use super::residual_variances::ResidualVariances;
-use super::rigid::{SessionFrames, aligned};
+use super::rigid::{FARTHEST_REFLECTOR, SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
 use super::unknown::Unknown;
 use crate::cell::Parameter;
@@ -12,8 +12,6 @@ use nalgebra::{Cholesky, Const, Matrix3, Vector3};
 
 /// Normalized residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
-/// Prior standard deviation of each coordinate of a reflector, m.
-pub(super) const FARTHEST_REFLECTOR: f64 = 0.3;
 
 /// Arm and unknowns of a fit.
 #[derive(Debug, Clone, Copy)]

@@ -15,8 +15,11 @@ use crate::robot::Chain;
 /// A residual is gross if it exceeds the median residual of its session by this factor. The largest of 10 000
 /// normally distributed errors exceeds the median by a factor of about 3.
 const GROSS: f64 = 10.0;
-/// Largest share of the positions of a session that can be gross errors. If more positions are suspect, the
-/// model does not fit the session, and no position is left out.
+/// Least distance, m, of a gross error from the prediction of the nominal arm. The errors of an arm before its
+/// calibration are smaller, although they vary with the posture.
+const FAR: f64 = 0.05;
+/// Largest share of the positions of a session that are left out as gross errors. If more positions are suspect,
+/// the model may not fit the session.
 const MOST: f64 = 0.1;
 /// Least number of positions of a session in which gross errors are sought.
 const LEAST_POSITIONS: usize = 20;
@@ -41,13 +44,21 @@ impl GrossError {
     }
 }
 
+/// Gross errors of one session.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GrossErrors {
+    pub errors: Vec<GrossError>,
+    /// Whether so many positions are suspect that none of them should be left out.
+    pub too_many: bool,
+}
+
 /// Returns the gross errors of every session. `priors` holds the prior standard deviations of the unknowns.
 pub fn gross_errors(
     chain: &Chain,
     sessions: &[MeasuringSession],
     unknowns: &[Unknown],
     priors: &[f64],
-) -> Vec<Vec<GrossError>> {
+) -> Vec<GrossErrors> {
     let mut kept = sessions.to_vec();
     let mut found = vec![Vec::new(); sessions.len()];
     for (session, found) in kept.iter_mut().zip(&mut found) {
@@ -57,39 +68,66 @@ pub fn gross_errors(
             let Some(frames) = aligned(&poses, &session.measured) else { break };
             let pairs = poses.iter().zip(&session.measured);
             let distances: Vec<_> = pairs.map(|(p, m)| frames.residual(&p.interface, m).norm()).collect();
-            if !leave_out(session, found, &distances, &distances) {
+            if !leave_out(session, found, &distances, (&distances, FAR)) {
                 break;
             }
         }
     }
     for _ in 0..ROUNDS {
-        let Ok(fit) = Fit::new(FitProblem { chain, unknowns, priors }, &kept) else { break };
+        let Ok(fit) = Fit::new(FitProblem { chain, unknowns, priors }, &kept) else {
+            // Positions without which nothing can be fitted are not gross errors, but informative.
+            found.iter_mut().for_each(Vec::clear);
+            break;
+        };
         let mut any = false;
         for (s, (session, found)) in kept.iter_mut().zip(&mut found).enumerate() {
             let residuals = fit.residuals(&session.measured, s);
             let distances: Vec<_> = residuals.iter().map(|r| r.by.norm()).collect();
             let normalised: Vec<_> = residuals.iter().map(|r| r.normalised().sqrt()).collect();
-            any |= leave_out(session, found, &distances, &normalised);
+            any |= leave_out(session, found, &distances, (&normalised, 0.0));
         }
         if !any {
+            readmit(&fit, &kept, sessions, &mut found);
             break;
         }
     }
-    for (found, session) in found.iter_mut().zip(sessions) {
-        if found.len() as f64 > MOST * session.measured.len() as f64 {
-            found.clear();
-        }
-    }
-    found
+    let judged = found.into_iter().zip(sessions).map(|(errors, session)| GrossErrors {
+        too_many: errors.len() as f64 > MOST * session.measured.len() as f64,
+        errors,
+    });
+    judged.collect()
 }
 
-/// Moves the positions whose `residuals` are gross from a session to the list of gross errors. Returns whether
-/// any position was moved.
+/// Removes positions from the list of gross errors if the final fit explains them. The first fits may have
+/// been too inaccurate to judge them.
+fn readmit(
+    fit: &Fit<'_>,
+    kept: &[MeasuringSession],
+    sessions: &[MeasuringSession],
+    found: &mut [Vec<GrossError>],
+) {
+    for (s, errors) in found.iter_mut().enumerate() {
+        let sizes = |measured: &[MeasuredPosition]| -> Vec<f64> {
+            fit.residuals(measured, s).iter().map(|r| r.normalised().sqrt()).collect()
+        };
+        let mut sorted = sizes(&kept[s].measured);
+        sorted.sort_by(f64::total_cmp);
+        let Some(median) = sorted.get(sorted.len() / 2) else { continue };
+        let is_explained = |error: &GrossError| {
+            let own: Vec<_> = sessions[s].measured.iter().filter(|m| error.is_at(m)).copied().collect();
+            sizes(&own).iter().all(|size| *size <= GROSS * median)
+        };
+        errors.retain(|error| !is_explained(error));
+    }
+}
+
+/// Moves the positions whose residuals are gross, and at least `least`, from a session to the list of gross
+/// errors. Returns whether any position was moved.
 fn leave_out(
     session: &mut MeasuringSession,
     found: &mut Vec<GrossError>,
     distances: &[f64],
-    residuals: &[f64],
+    (residuals, least): (&[f64], f64),
 ) -> bool {
     let mut sorted = residuals.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -101,7 +139,7 @@ fn leave_out(
     let mut left: Vec<usize> = (0..reflectors).map(count).collect();
     let before = found.len();
     for (k, measured) in session.measured.iter().enumerate() {
-        if residuals[k] > GROSS * median && left[measured.reflector] > LEAST_OF_REFLECTOR {
+        if residuals[k] > (GROSS * median).max(least) && left[measured.reflector] > LEAST_OF_REFLECTOR {
             left[measured.reflector] -= 1;
             let MeasuredPosition { row, reflector, .. } = *measured;
             found.push(GrossError { row, reflector, distance: distances[k] });

@@ -1,8 +1,8 @@
 //! Normal equations of a fit.
 
 use super::deformed::PointMotion;
-use super::fit_state::{FARTHEST_REFLECTOR, FitState, PositionEquation};
-use super::rigid::SessionFrames;
+use super::fit_state::{FitState, PositionEquation};
+use super::rigid::{FARTHEST_REFLECTOR, SessionFrames};
 use super::session::MeasuringSession;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::cmp::Ordering;

@@ -16,6 +16,11 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 /// 95 % quantile of the chi-squared distribution with three degrees of freedom.
 pub const CHI_SQUARED_95: f64 = 7.814727903251179;
+/// Distance above which a position does not count for the fit of base and reflectors to a test, as a multiple
+/// of the median distance.
+const GROSS: f64 = 10.0;
+/// Largest number of such fits.
+const ROUNDS: usize = 10;
 /// Normalized residual above which a position is an outlier.
 const OUTLIER: f64 = 6.0;
 
@@ -116,6 +121,27 @@ pub fn calibrate(
     })
 }
 
+/// Fits base and reflectors like [`aligned`], but without positions whose distance exceeds the median distance
+/// by the factor [`GROSS`]. A few gross errors would otherwise spoil the distances of all positions.
+fn aligned_without_gross_errors(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
+    let mut frames = aligned(poses, measured)?;
+    for _ in 0..ROUNDS {
+        let pairs = || poses.iter().zip(measured);
+        let distances: Vec<f64> = pairs().map(|(p, m)| frames.residual(&p.interface, m).norm()).collect();
+        let mut sorted = distances.clone();
+        sorted.sort_by(f64::total_cmp);
+        let most = GROSS * sorted.get(sorted.len() / 2)?;
+        let kept = pairs().zip(&distances).filter(|(_, distance)| **distance <= most);
+        let (some, others): (Vec<_>, Vec<_>) = kept.map(|((p, m), _)| (p.clone(), *m)).unzip();
+        let is_whole = some.len() == measured.len();
+        if is_whole || super::session::reflectors(&others) < super::session::reflectors(measured) {
+            break;
+        }
+        frames = aligned(&some, &others)?;
+    }
+    Some(frames)
+}
+
 /// Returns the least and the largest measured coordinate of a joint.
 fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
     let all = sessions.iter().flat_map(|session| &session.measured).map(|m| m.joints[joint]);
@@ -181,7 +207,7 @@ impl Calibration {
     pub fn tested(&self, measured: &[MeasuredPosition]) -> Option<(FittedSession, f64)> {
         let (unknowns, _) = self.unknowns_and_values();
         let poses: Vec<_> = measured.iter().map(|m| self.deformed(&m.joints)).collect();
-        let frames = aligned(&poses, measured)?;
+        let frames = aligned_without_gross_errors(&poses, measured)?;
         let columns: Vec<PositionJacobians> = poses
             .iter()
             .zip(measured)

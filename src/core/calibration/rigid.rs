@@ -72,7 +72,14 @@ const STEPS: usize = 30;
 /// An alignment has converged when its step (m and rad) is below this value.
 const CONVERGED: f64 = 1e-10;
 
-/// Returns the frames of a session that fit the measured positions best, by least squares.
+/// Prior standard deviation of each coordinate of a reflector, m.
+pub(super) const FARTHEST_REFLECTOR: f64 = 0.3;
+/// Least standard deviation of a measured position per axis, m; no instrument is more accurate.
+const FINEST: f64 = 1e-6;
+
+/// Returns the frames of a session that fit the measured positions best, by least squares. Positions may leave
+/// a coordinate of a reflector undetermined, for example its height below a flange that always points down.
+/// Such a coordinate stays near the mechanical interface.
 ///
 /// The first estimate of the base is a rigid motion (Kabsch 1976). This motion best moves the origins of the
 /// mechanical interface onto the measured positions. Returns None if the positions do not determine this
@@ -83,8 +90,19 @@ pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<Sess
     let mut frames = SessionFrames { base, reflectors: vec![Vector3::zeros(); reflectors(measured)] };
     let size = SessionFrames::unknowns(measured);
     for _ in 0..STEPS {
+        let squares: f64 =
+            poses.iter().zip(measured).map(|(p, m)| frames.residual(&p.interface, m).norm_squared()).sum();
+        let variance = (squares / (3 * measured.len()) as f64).max(FINEST.powi(2));
         let mut normal = DMatrix::identity(size, size) * 1e-12;
         let mut right = DVector::zeros(size);
+        // The pull to the mechanical interface matters only for coordinates that the positions do not determine.
+        let pull = variance / FARTHEST_REFLECTOR.powi(2);
+        let coordinates = frames.reflectors.iter().flat_map(|reflector| reflector.iter());
+        for (k, coordinate) in coordinates.enumerate() {
+            let k = SessionFrames::OF_BASE + k;
+            normal[(k, k)] += pull;
+            right[k] -= pull * coordinate;
+        }
         for (pose, measured) in poses.iter().zip(measured) {
             let motions = frames.motions(&pose.interface, measured.reflector);
             let residual = frames.residual(&pose.interface, measured);

@@ -12,8 +12,10 @@ use super::shape::{Rectangle, Solid};
 use super::title_block::TitleBlock;
 use super::tolerance_cost::ToleranceCost;
 use crate::pose::Pose;
+use crate::units::wrapped;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Placement of the robot base or of equipment, m and rad.
 ///
@@ -67,6 +69,13 @@ impl Placement {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
         let (s, c) = other.yaw.sin_cos();
         Placement { x: c * dx + s * dy, y: c * dy - s * dx, z: self.z - other.z, yaw: self.yaw - other.yaw }
+    }
+
+    /// Returns this placement in the frame of the robot base, with a yaw of at most half a turn.
+    pub fn from_base(&self, base: &Placement) -> Placement {
+        let seen = self.seen_from(base);
+        let yaw = if seen.yaw.abs() > PI { wrapped(seen.yaw) } else { seen.yaw };
+        Placement { yaw, ..seen }
     }
 }
 

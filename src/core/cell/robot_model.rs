@@ -175,6 +175,9 @@ pub struct UrdfOrigin {
     pub ignored: Vec<(String, usize)>,
 }
 
+/// Axial offset of a row, m, above which the reach is bounded by distances between points on the axes.
+const FAR_ROW: f64 = 5.0;
+
 impl Robot {
     /// Returns the number of joints.
     pub fn axes(&self) -> usize {
@@ -212,7 +215,49 @@ impl Robot {
             joint.l.hypot(axial)
         });
         let aside = self.mount.translation.xy().norm();
-        aside + links.sum::<f64>() + self.tool.translation.norm()
+        let by_rows = links.sum::<f64>() + self.tool.translation.norm();
+        let has_far_rows = self.joints.iter().any(|joint| joint.r.abs() > FAR_ROW);
+        aside + if has_far_rows { by_rows.min(self.reach_of_axes(upright)) } else { by_rows }
+    }
+
+    /// Returns an upper bound of the distance of the TCP from the base axis, or from the origin of the first row
+    /// if `upright` is false.
+    ///
+    /// The bound is the sum of the distances between one point on each axis and the next. The axial offsets of
+    /// almost parallel axes can be hundreds of metres, but points near each other exist on such axes. Least
+    /// squares (Gauss-Seidel) choose the points; any choice gives a valid bound.
+    fn reach_of_axes(&self, upright: bool) -> f64 {
+        const SWEEPS: usize = 200;
+        let n = self.joints.len();
+        // Coordinate of the point along each axis.
+        let mut at = vec![0.0; n];
+        let (sin_cos, t): (Vec<_>, _) =
+            (self.joints.iter().map(|joint| joint.alpha.sin_cos()).collect(), self.tool.translation);
+        for _ in 0..SWEEPS {
+            for i in 0..n {
+                let row = &self.joints[i];
+                let (sin, cos) = sin_cos[i];
+                let after = match at.get(i + 1) {
+                    Some(next) => row.r + next * cos,
+                    None => row.r + t.y * sin + t.z * cos,
+                };
+                let before = match i {
+                    0 => (!upright).then_some(0.0),
+                    _ => Some((at[i - 1] - self.joints[i - 1].r) * sin_cos[i - 1].1),
+                };
+                at[i] = before.map_or(after, |before| (before + after) / 2.0);
+            }
+        }
+        let link = |i: usize| {
+            let (row, (sin, cos)) = (&self.joints[i], sin_cos[i]);
+            let end = match at.get(i + 1) {
+                Some(next) => Vector3::new(row.l, -next * sin, row.r + next * cos),
+                None => Vector3::new(row.l + t.x, t.y * cos - t.z * sin, row.r + t.y * sin + t.z * cos),
+            };
+            (end - Vector3::new(0.0, 0.0, at[i])).norm() + self.travel(i)
+        };
+        let first = if upright { 0.0 } else { at.first().map_or(0.0, |at| at.abs()) };
+        first + (0..n).map(link).sum::<f64>()
     }
 
     /// Returns an upper bound of the absolute value of the Denavit-Hartenberg coordinate `i`, m.

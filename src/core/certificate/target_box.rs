@@ -77,7 +77,7 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns a copy of this box in which the half width of the heading is set for a radial azimuth. The
+    /// Returns a copy of this box whose heading has the half width that a radial azimuth needs. The
     /// heading of a radial azimuth is the horizontal direction from the base axis to the target.
     ///
     /// `target` is the nominal position of the target in the base frame, m.

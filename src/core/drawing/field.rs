@@ -128,6 +128,8 @@ pub struct Field {
     ///
     /// This index is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
+    /// Value of the operation under the model and reading of the cell, in the unit of the objective (SI).
+    pub value: Option<f64>,
     /// Position of the spot, in the world frame, m; None if there is no spot.
     ///
     /// The position is given even if [`Self::nodes`] lacks the node of the spot.
@@ -210,6 +212,7 @@ fn field(a: &Assessment<'_>, k: usize, detail: &Detail) -> Field {
         sense: map.sense(&operation.sense.name).unwrap_or_default(),
         senses: map.senses.clone(),
         size: (size.0.div_ceil(every), size.1.div_ceil(every)),
+        value: map.value,
         best: map.best_node().and_then(|best| nodes.iter().position(|n| (n.i, n.j) == (best.i, best.j))),
         nodes,
         spot: map.best_node().map(|best| best.position),

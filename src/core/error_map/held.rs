@@ -62,7 +62,7 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Checks that the posture in this layout that corresponds to a held posture is collision-free. Also
+    /// Checks that a held posture, transferred to this layout, is collision-free. Also
     /// checks that the motion rules allow this posture.
     ///
     /// # Errors

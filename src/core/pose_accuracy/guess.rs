@@ -28,7 +28,7 @@ pub struct ErrorGuess {
     pub spreads: Vec<Spread>,
     /// Factor by which the given tolerances are multiplied.
     pub scale: f64,
-    /// Number of predictions of the pose accuracy with which [`Self::scale`] was found.
+    /// Number of iterations that found [`Self::scale`]. Each iteration predicts the pose accuracy once.
     pub steps: usize,
     /// Predicted pose accuracy with the scaled tolerances. This accuracy does not depend on the random errors
     /// of the joints.

@@ -63,7 +63,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.2,
         length_mm: 1.0,
         twist_deg: 0.04,
-        source: "our estimate for mean errors of about 1.2 mm, as measured with a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644); no built-in arm of this class could be checked",
+        source: "our estimate. It gives a mean error of about 1.2 mm, which was measured on a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644). No built-in arm of this class could be checked",
     },
     ErrorPreset {
         name: "palletizer",

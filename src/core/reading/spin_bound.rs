@@ -30,7 +30,8 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// Bound for normal parameters.
     Normal(NormalBound),
-    /// Bound for a worst case: errors after the last joint can only increase a worst case.
+    /// Lower bound of a worst case. It leaves out the errors after the last joint, because these errors can only
+    /// increase a worst case.
     WorstCase,
 }
 

@@ -10,8 +10,8 @@ use nalgebra::{Vector2, Vector3, Vector6};
 pub struct WorstCase {
     /// Maximum by the linear model, or a proven upper bound if `exact` is false.
     pub linear: f64,
-    /// Whether `linear` is the exact maximum. If the error has more than three components in the sense and
-    /// there are very many sources, `linear` may be an upper bound.
+    /// Whether `linear` is the exact maximum. If the sense of the operation measures more than three
+    /// components of the error and there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
     /// Largest error that the local search finds with the chosen model; equal to `linear` for the linear
     /// model.

@@ -50,6 +50,7 @@ use crate::proof;
 use journal::SearchJournal;
 use problem::Problem;
 use record::Record;
+use std::sync::atomic::Ordering;
 
 /// Layout with its evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,9 +173,9 @@ pub fn search_job(
     if stopped {
         (job.keep)(journal.checkpoint(), Moment::Stopped);
     }
-    let ended = if stopped { SearchEnd::Interrupted } else { journal.ended() };
+    let mut ended = if stopped { SearchEnd::Interrupted } else { journal.ended() };
     let mut alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
-    let mut record = journal.record;
+    let mut record = journal.record.clone();
     let mut best = candidate(workcell, space.layout(&record.point));
     // The search rounds coordinates, so the unrounded layout in the file may be better. A layout to build
     // must have rounded coordinates.
@@ -196,6 +197,10 @@ pub fn search_job(
             if let Some(at) = at {
                 alternatives.splice(at..=at, alternative(workcell, best.layout.clone()));
             }
+        } else if watch.stop.load(Ordering::Relaxed) {
+            // A search that is stopped while it looks for room has not ended.
+            (job.keep)(journal.checkpoint(), Moment::Stopped);
+            ended = SearchEnd::Interrupted;
         }
     }
     let Record { evaluations, feasible, trace, .. } = record;

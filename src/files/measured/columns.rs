@@ -14,7 +14,7 @@ pub enum RotationForm {
     Angles,
     /// Quaternion whose scalar part is the first number.
     ScalarFirst,
-    /// Quaternion whose names do not say which number is the scalar part.
+    /// Quaternion whose column names do not say which number is the scalar part.
     Quaternion,
     /// Nine numbers of a matrix, row by row.
     Matrix,

@@ -23,7 +23,8 @@ const DEFAULT_GRADES: std::ops::RangeInclusive<usize> = 5..=12;
 pub enum CostedUnit {
     Length,
     Angle,
-    /// Deflection of a joint under gravity. A grade of such a parameter states a scale, not a tolerance.
+    /// Deflection of a joint under gravity. For such a parameter, a cost grade states a factor of the
+    /// tolerance instead of a tolerance.
     Deflection,
 }
 

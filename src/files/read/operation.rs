@@ -210,7 +210,8 @@ fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<u
             (format!("there is no operation `{}`", shown(&other)), help)
         }
         Some(k) if Some(k) > place(name) => {
-            let message = format!("`{}` comes after the operation that is relative to it", shown(&other));
+            let message =
+                format!("`{}` must come before the operation that is relative to it", shown(&other));
             (message, format!("write [operation.{}] above [operation.{}]", shown(&other), shown(name)))
         }
         Some(k) if around.operations[k].2.value.get("relative_to").is_some() => {

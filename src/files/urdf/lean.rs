@@ -2,7 +2,6 @@
 
 use super::outline::UrdfOutline;
 use super::xml::right_angle;
-use crate::files::fault::shown;
 use roxmltree::{Document, Node};
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
@@ -111,5 +110,5 @@ fn attribute(e: &Node<'_, '_>, name: &str) -> String {
 }
 
 fn escaped(value: &str) -> String {
-    shown(value).replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

@@ -24,6 +24,9 @@ const TOO_MANY_TURNS: f64 = 1e3;
 /// degrees/s.
 const TOO_FAST: f64 = 60.0;
 
+/// Axial offset of a row, m, that only nearly parallel axes have.
+const FAR_ROW: f64 = 5.0;
+
 /// Two axes are probably meant to be exactly parallel or at right angles if they deviate by less than this
 /// value, rad.
 const NEARLY: f64 = 1e-3;
@@ -270,6 +273,18 @@ pub fn warn_of_slants(
         );
         let help = "if the angle is meant to be exact, write it with all digits, such as 1.5707963267948966";
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
+    }
+    let is_far = |row: &&(usize, &dh::UrdfDhRow)| row.1.r.abs() > FAR_ROW;
+    if let Some((k, row)) = derived.rows.iter().enumerate().find(|row| is_far(&row)) {
+        let message = format!(
+            "the axis of `{}` is nearly parallel to a neighbouring axis: its D-H row has an axial offset of {:.0} m, so \
+             errors guessed for the rows are far too large",
+            shown(&motion.movers[k].name),
+            row.r.abs()
+        );
+        let help = "use the nominal URDF of the arm, and give this one as its calibration: sweetspot calibrate \
+                    NOMINAL.urdf CALIBRATED.urdf";
+        lib.fault(moving[k].origin_at, Severity::Warning, message, help);
     }
     if derived.gap >= dh::MAX_EXACT_GAP || derived.gap.is_nan() {
         let message = format!(

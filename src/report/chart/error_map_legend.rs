@@ -57,7 +57,7 @@ fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     };
     let said = match (has_ring(false), has_ring(true)) {
         (true, false) => Some("chosen spot"),
-        (false, true) => Some("worst node: value of the operation"),
+        (false, true) => Some("worst node"),
         (true, true) => Some("chosen spot, or worst node of an operation at every node"),
         (false, false) => None,
     };

@@ -276,8 +276,7 @@ impl<'a> HeatMap<'a> {
         let entry = |is_there: bool, mark: String, said: &str| {
             is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
-        let all = self.drawing.cell.operations[self.field.operation].over.needs_every_node();
-        let spot = if all { "worst node: value of the operation" } else { "chosen spot" };
+        let spot = signs::ring_name(self.drawing.cell.operations[self.field.operation].over);
         let spots = [
             entry(self.field.spot.is_some(), signs::spot(origin), spot),
             entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),

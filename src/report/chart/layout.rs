@@ -275,8 +275,7 @@ impl LayoutView<'_> {
         entries.extend(KINDS.into_iter().filter(occurs).map(entry));
         if self.drawing.fields[self.operation].spot.is_some() {
             let operation = self.drawing.fields[self.operation].operation;
-            let is_worst = self.drawing.cell.operations[operation].over.needs_every_node();
-            let said = if is_worst { "worst node: value of the operation" } else { "chosen spot" };
+            let said = signs::ring_name(self.drawing.cell.operations[operation].over);
             entries.push(LegendEntry { mark: signs::spot((0.0, 0.0)), said: said.into() });
         }
         if self.levels.is_empty() && !self.drawing.regions.is_empty() {

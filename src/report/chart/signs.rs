@@ -1,6 +1,7 @@
 //! Symbols on a chart, for unusable nodes and for spots.
 
 use super::canvas::{Ink, LegendEntry};
+use crate::cell::NodeAggregation;
 use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
 use crate::svg_text::{PathEnd, path_data};
@@ -29,6 +30,15 @@ fn draw_glyph(glyph: &NodeGlyph, at: (f64, f64), r: f64) -> String {
         path(at, &points, &paint)
     };
     circle + &glyph.strokes.iter().map(stroke).collect::<String>()
+}
+
+/// Returns the name of the node that the ring marks.
+pub fn ring_name(over: NodeAggregation) -> &'static str {
+    match over {
+        NodeAggregation::Best => "chosen spot",
+        NodeAggregation::Max => "worst node: value of the operation",
+        NodeAggregation::Mean | NodeAggregation::P95 => "worst node",
+    }
 }
 
 /// Returns the ring that marks the spot.

@@ -4,7 +4,7 @@ use super::content::{NOTHING, plain};
 use super::quantities::{down, quantity, told};
 use super::runner_up::runner_up;
 use super::subject::Subject;
-use crate::assess::Assessment;
+use crate::assess::{Assessment, Requirement};
 use crate::cell::{Cell, Coordinate, Objective, Placement, Role, Unit};
 use crate::files::shown;
 use crate::proof::Covers;
@@ -27,8 +27,11 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
     let is_found = a.evaluation.objective.is_some() && (found.is_none() || subject.best.is_some());
     let missed = is_found && !a.meets_requirements();
     let limited = (0..a.maps.len()).any(|k| a.requirement(k).is_some());
+    let all_unproven =
+        || (0..a.maps.len()).filter_map(|k| a.requirement(k)).all(|r| r.is_met() || r.is_unproven());
     let requirement = match (limited, missed) {
         (false, _) => RequirementState::None,
+        (true, true) if all_unproven() => RequirementState::NotGuaranteed,
         (true, true) => RequirementState::Missed,
         (true, false) => RequirementState::Met,
     };
@@ -67,7 +70,12 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
-        (Some(found), false) => found.reasons.iter().map(|r| plain(r)).collect(),
+        // The search states the reasons of the layout that is closest to feasible, not of the layout as drawn.
+        (Some(found), false) => found
+            .reasons
+            .iter()
+            .map(|r| format!("closest layout that the search examined: {}", plain(r)))
+            .collect(),
         (None, false) => subject.start.reasons(),
     }
 }
@@ -82,6 +90,7 @@ fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
     let answer = match v.requirement {
         RequirementState::Met => "Yes, every requirement is met: ",
         RequirementState::Missed => "No, a requirement is missed: ",
+        RequirementState::NotGuaranteed => "No, a requirement is not guaranteed: ",
         RequirementState::None => "",
     };
     let layout = match v.of {
@@ -119,9 +128,12 @@ fn placements(a: &Assessment<'_>) -> Vec<VerdictPlacement> {
         }
     };
     let base = a.cell.base.iter().any(Coordinate::is_free);
-    let base = base.then(|| entry(MovableBody::Base.name(a.cell), &a.layout.base));
+    let base = base.then(|| VerdictPlacement {
+        equipment: format!("{} (world)", MovableBody::Base.name(a.cell)),
+        ..entry(MovableBody::Base.name(a.cell), &a.layout.base)
+    });
     let placed = a.cell.equipment.iter().zip(&a.layout.placements).filter(|(e, _)| e.role == Role::Equipment);
-    base.into_iter().chain(placed.map(|(e, at)| entry(&e.name, &at.seen_from(&a.layout.base)))).collect()
+    base.into_iter().chain(placed.map(|(e, at)| entry(&e.name, &at.from_base(&a.layout.base)))).collect()
 }
 
 fn capital(text: &str) -> String {
@@ -206,7 +218,7 @@ pub fn reading_in_words(cell: &Cell) -> String {
         "p95" => format!("{alone}95 of 100 arms built to the tolerances {set} have a smaller error"),
         "p99" => format!("{alone}99 of 100 arms built to the tolerances {set} have a smaller error"),
         "share of failures" => {
-            format!("{alone}share of the arms built to the tolerances {set} that exceed the limit")
+            format!("{alone}share of arms that exceed the limit, among arms built to the tolerances {set}")
         }
         word => format!("{alone}the {word} over the arms built to the tolerances {set}"),
     }
@@ -215,7 +227,10 @@ pub fn reading_in_words(cell: &Cell) -> String {
 fn requirement(a: &Assessment<'_>) -> FactEntry {
     let unit = a.cell.unit();
     let all = (0..a.maps.len()).filter_map(|k| Some((k, a.requirement(k)?)));
-    let tightest = all.min_by(|(_, x), (_, y)| x.margin.total_cmp(&y.margin));
+    // A limit without a known bound may have a large margin, but it is not met.
+    let order =
+        |x: &Requirement, y: &Requirement| x.is_met().cmp(&y.is_met()).then(x.margin.total_cmp(&y.margin));
+    let tightest = all.min_by(|(_, x), (_, y)| order(x, y));
     let Some((k, r)) = tightest else {
         let note = "no operation of the cell has a limit that applies to the objective".to_string();
         return FactEntry {
@@ -356,6 +371,8 @@ fn spot(a: &Assessment<'_>, k: usize) -> VerdictSpot {
         value: map.value.map(|v| nine(unit.from_si(v))),
         limit: requirement.map(|r| nine(unit.from_si(r.limit))),
         margin: requirement.map(|r| nine(unit.from_si(r.margin))),
+        worst: a.worst(k).map(|worst| nine(unit.from_si(worst))),
+        requirement: requirement.map_or(RequirementState::None, RequirementState::of),
         text: sentence(a, k),
     }
 }
@@ -370,7 +387,7 @@ fn sentence(a: &Assessment<'_>, k: usize) -> String {
     let [x, y, z] = [0, 1, 2].map(|axis| format!("{:.1}", rounded(mm_from_m(node.position[axis]), 1)));
     let word = if unit == Unit::Cost { "of the tolerances that meet the limit" } else { value_word(a.cell) };
     let said = format!("{} {word} in {}", quantity(unit, value), shown(&operation.sense.name));
-    let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm", node.i, node.j);
+    let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm (world)", node.i, node.j);
     match operation.over.needs_every_node() {
         true => format!("at all nodes on {on}: {} {said}; the worst is {at}", operation.over.name()),
         false => format!("on {on} at {at}: {said}"),

@@ -6,7 +6,7 @@ use crate::cell::Unit;
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::raster::{Shot, isometric};
-use crate::record::{VerdictDocument, VerdictPlacement, VerdictSpot};
+use crate::record::{RequirementState, VerdictDocument, VerdictPlacement, VerdictSpot};
 use crate::report::page::{NOTHING, PageTable, Subject, told, verdict};
 use crate::report::sheet::ink::TextStyle;
 use crate::report::sheet::title::{BlockEntries, block, layout_name};
@@ -97,12 +97,27 @@ fn errors(verdict: &VerdictDocument) -> PageTable {
             None => [(); 3].map(|()| NOTHING.to_string()),
         };
         let (name, equipment) = (shown(&spot.name), shown(&spot.equipment));
-        let values = [value(spot.value), value(spot.limit), value(spot.margin)];
+        let margin = match spot.requirement {
+            RequirementState::NotGuaranteed => "not guaranteed".into(),
+            _ => value(spot.margin),
+        };
+        let values = [value(spot.value), value(spot.worst), value(spot.limit), margin];
         let row = [name, equipment, shown(&spot.sense)].into_iter().chain(values);
         row.chain([x, y, z]).collect()
     };
     let word = if unit == Unit::Share { "share" } else { verdict.quantity.as_str() };
-    let head = ["operation", "on", "sense", word, "limit", "margin", "spot x mm", "y mm", "z mm"];
+    let head = [
+        "operation",
+        "on",
+        "sense",
+        word,
+        "misplaced at most",
+        "limit",
+        "margin",
+        "spot x mm (world)",
+        "y mm",
+        "z mm",
+    ];
     PageTable::new("Errors against limits", &head, verdict.operations.iter().map(row).collect())
 }
 

@@ -121,7 +121,7 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, taken: &m
         let distance = corner - base;
         let (line, post) = (view.bottom + away, view.left - away);
         let help = format!(
-            "M{x:.2} {:.2}V{:.2}M{x0:.2} {:.2}V{2:.2}M{:.2} {y:.2}H{:.2}M{:.2} {y0:.2}H{5:.2}",
+            "M{x:.2} {:.2}V{:.2}M{x0:.2} {:.2}V{1:.2}M{:.2} {y:.2}H{:.2}M{:.2} {y0:.2}H{4:.2}",
             y + 1.0,
             line + 1.5,
             y0 + 5.0,
@@ -235,7 +235,8 @@ fn heights(drawing: &Drawing<'_>) -> Vec<HeightMark> {
         HeightMark {
             name: format!("{} ", mark.letter),
             at: Vector2::new(at.x, at.z),
-            tolerance: tolerance(given),
+            // The tolerance of a piece on another piece is relative to that piece, not to the floor.
+            tolerance: tolerance(given).filter(|_| cell.equipment[mark.equipment].on.is_none()),
         }
     };
     let marks = marks(drawing);

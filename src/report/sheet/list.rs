@@ -92,7 +92,13 @@ fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
     let own = |at: &Placement| [mm(at.x - base.x), mm(at.y - base.y), mm(at.z - drawing.floor), deg(at.yaw)];
     let stand = match cell.pedestal(base.z) {
         Some((section, high)) => {
-            format!("pedestal {} \u{d7} {}, {} high", mm(section.size.0), mm(section.size.1), mm(high))
+            let (x, y) = section.centre;
+            let aside = match (x, y) == (0.0, 0.0) {
+                true => String::new(),
+                false => format!(", centre at x {}, y {} in the frame of the base", mm(x), mm(y)),
+            };
+            let size = format!("{} \u{d7} {}", mm(section.size.0), mm(section.size.1));
+            format!("pedestal {size}, {} high{aside}", mm(high))
         }
         None => String::new(),
     };
@@ -154,7 +160,9 @@ fn spots(drawing: &Drawing<'_>) -> Vec<ListLine> {
         let operation = &drawing.cell.operations[field.operation];
         let unit = operation.sense.unit;
         let told = |si: f64| format!("{} {}", rounded(unit.from_si(si), 3), unit.word());
-        let value = field.best.and_then(|k| field.takes[0].values[field.sense][k]).map(told);
+        let of_node = || field.best.and_then(|k| field.takes[0].values[field.sense][k]);
+        let is_of_all = operation.over.needs_every_node() && drawing.cell.unit().is_error();
+        let value = if is_of_all { field.value } else { of_node() }.map(told);
         let limit = operation.limit.map(told).unwrap_or_default();
         let [x, y, z] = match field.spot {
             Some(p) => [p.x, p.y, p.z].map(mm),

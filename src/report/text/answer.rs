@@ -36,7 +36,7 @@ fn placements(a: &Assessment<'_>) -> String {
     }
     let placed = a.cell.equipment.iter().zip(&a.layout.placements);
     for (equipment, at) in placed.filter(|(e, _)| e.role == Role::Equipment) {
-        table.row(row(&shown(&equipment.name), &at.seen_from(&a.layout.base)));
+        table.row(row(&shown(&equipment.name), &at.from_base(&a.layout.base)));
     }
     table.render()
 }
@@ -100,12 +100,14 @@ fn room(a: &Assessment<'_>) -> String {
     let figure = |value: Option<f64>| value.map_or("-".into(), |value| value.to_string());
     // The regions are in the world frame.
     let base = PlacementEntry::new(&a.layout.base);
-    let less = |range: [f64; 2], by: f64| range.map(|value| rounded(value - by, 2));
+    let less = |range: [f64; 2], by: f64| range.map(|value| rounded(value - by, 2) + 0.0);
+    // The yaw of a piece is within half a turn; its range is shifted by the same whole turns.
+    let turns = |range: [f64; 2]| (((range[0] + range[1]) / 2.0 - base.yaw_deg) / 360.0).round() * 360.0;
     for region in &regions {
         let RegionEntry { equipment, room_mm, room_deg, z_mm, yaw_deg, .. } = region;
         let from_base = match equipment == MovableBody::Base.name(a.cell) {
             true => [*z_mm, *yaw_deg],
-            false => [less(*z_mm, base.z_mm), less(*yaw_deg, base.yaw_deg)],
+            false => [less(*z_mm, base.z_mm), less(*yaw_deg, base.yaw_deg + turns(*yaw_deg))],
         };
         let [z, yaw] = from_base.map(from_to);
         table.row([shown(equipment), figure(*room_mm), figure(*room_deg), z, yaw]);

@@ -2,7 +2,7 @@
 
 use super::table::TextTable;
 use crate::files::shown;
-use crate::record::{SweepGroup, SweepRow, SweepSpot, SweepTable};
+use crate::record::{RequirementState, SweepGroup, SweepRow, SweepSpot, SweepTable};
 use crate::report::sweep::word;
 use std::fmt::Write;
 
@@ -41,10 +41,11 @@ fn objective(row: &SweepRow) -> String {
 
 fn operation(spot: &SweepSpot) -> String {
     let Some(value) = spot.value else { return "no spot".into() };
-    match spot.limit_met {
-        Some(true) => format!("{value:.4} met"),
-        Some(false) => format!("{value:.4} missed"),
-        None => format!("{value:.4}"),
+    match spot.requirement {
+        RequirementState::Met => format!("{value:.4} met"),
+        RequirementState::Missed => format!("{value:.4} missed"),
+        RequirementState::NotGuaranteed => format!("{value:.4} not guaranteed"),
+        RequirementState::None => format!("{value:.4}"),
     }
 }
 

@@ -602,3 +602,23 @@ fn drawings_of_infeasible_layouts_are_marked() {
         }
     }
 }
+
+#[test]
+fn an_output_never_replaces_a_file_that_the_command_has_read() {
+    let shop = Sandbox::new();
+    let before = shop.text(CELL);
+    for args in [
+        &["map", CELL, "--svg", CELL][..],
+        &["export", CELL, "--to", "json", "-o", "cells/robots/../hitachi_cell.json"],
+        &["export", CELL, "--to", "dxf", "-o", "cells/folder.dxf"],
+        &["envelope", CELL, "--svg", CELL],
+    ] {
+        std::fs::create_dir_all(shop.path("cells/folder.dxf")).unwrap();
+        let ran = shop.run(args);
+        let is_new = args.contains(&"json");
+        let code = if is_new { 0 } else { 2 + i32::from(args.contains(&"dxf")) };
+        assert_eq!(ran.code, Some(code), "{args:?}: {}", ran.err);
+        assert!(is_new || ran.err.contains("choose another name for the output"), "{args:?}: {}", ran.err);
+        assert_eq!(shop.text(CELL), before, "{args:?}");
+    }
+}

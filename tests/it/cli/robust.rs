@@ -140,3 +140,22 @@ fn a_limit_below_the_proven_bound_is_not_guaranteed() {
         assert!(ran.out.contains(said), "{share}: {}\n{}", ran.out, ran.err);
     }
 }
+
+/// `map`, `sweep` and `report` give the same verdict on a limit that only the proven bound exceeds.
+#[test]
+fn a_limit_that_is_not_guaranteed_is_told_alike_by_sweep_and_report() {
+    let shop = Sandbox::new();
+    let set = "operation.assembly.limit_mm=12";
+    let report = shop.run(&["report", CELL, "--set", set, "--json"]);
+    assert_eq!(report.code, Some(1), "{}", report.err);
+    let document = report.document();
+    assert_eq!(document["requirement"], "not-guaranteed");
+    assert_eq!(items(&document["operations"])[0]["requirement"], "not-guaranteed");
+    let sweep = shop.run(&["sweep", CELL, "--map", "--set", &format!("{set},13"), "--out", "swept"]);
+    assert!(sweep.out.contains("not guaranteed") && sweep.out.contains("met"), "{}", sweep.out);
+    assert_eq!(sweep.code, Some(0), "{}", sweep.err);
+    let best = shop.document("swept/table.json")["best"].clone();
+    assert_eq!(best, 1, "the row that meets its limit is the best one");
+    let missed = shop.run(&["sweep", CELL, "--map", "--set", &format!("{set},3"), "--out", "missed"]);
+    assert_eq!(missed.code, Some(1), "{}", missed.out);
+}

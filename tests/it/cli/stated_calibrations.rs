@@ -178,7 +178,17 @@ fn two_urdf_files_of_one_arm_give_errors_of_joint_frames_and_tool() {
     let (tip, moved) = ([0.01, 0.02, 0.1, 0.1, 0.2, 0.3], [0.011, 0.019, 0.1005, 0.101, 0.199, 0.3]);
     shop.write("nominal.urdf", &urdf(&NOMINAL, tip));
     shop.write("calibrated.urdf", &urdf(&calibrated(), moved));
+    // Collision shapes of any size and meshes of any format do not matter.
+    let shaped = urdf(&NOMINAL, tip).replacen(
+        "<link name=\"base\"/>",
+        "<link name=\"base\"><collision><geometry><box size=\"0.6 0.5 0.2\"/></geometry></collision>\n<collision name=\"x\">\
+         <geometry><mesh filename=\"../meshes/base.glb\"/></geometry></collision></link>",
+        1,
+    );
+    shop.write("shaped.urdf", &shaped);
+    let of_shaped = shop.done(&["calibrate", "shaped.urdf", "calibrated.urdf", "--toml"]);
     let table = shop.done(&["calibrate", "nominal.urdf", "calibrated.urdf", "--toml"]);
+    assert_eq!(of_shaped.out, table.out);
     assert!(table.out.contains("tool = {") && table.out.contains("joint = 6"), "{}", table.out);
     let bare = urdf(&NOMINAL, tip).replace("package://arm/", "");
     let bare: String = bare

@@ -299,11 +299,14 @@ fn every_kind_of_value_can_be_set() {
 }
 
 #[test]
-fn a_sweep_exits_1_only_if_no_combination_is_feasible() {
+fn a_sweep_exits_1_only_if_no_combination_is_feasible_and_within_its_limits() {
     let shop = Sandbox::new();
-    let args = |z: &'static str, out: &'static str| {
-        vec!["sweep", CELL, "--map", "--set", z, "--set", "operation.picking.limit_mm=1", "--out", out]
+    let limited = |z: &'static str, out: &'static str, limit: &'static str| {
+        vec!["sweep", CELL, "--map", "--set", z, "--set", limit, "--out", out]
     };
+    let args = |z: &'static str, out: &'static str| limited(z, out, "operation.picking.limit_mm=1");
+    let met = limited("equipment.worktable.placement.z_mm=9000,600", "met", "operation.picking.limit_mm=100");
+    assert_eq!(shop.run(&met).code, Some(0));
     let none = shop.run(&args("equipment.worktable.placement.z_mm=9000,9100", "none"));
     assert_eq!(none.code, Some(1), "{}", none.err);
     assert!(none.out.contains("not feasible") && !none.err.contains("next: "), "{}{}", none.out, none.err);
@@ -311,7 +314,7 @@ fn a_sweep_exits_1_only_if_no_combination_is_feasible() {
     assert!(row["reasons"].to_string().contains("assembly has no usable node"), "{row}");
     assert!(!shop.path("none/0001.toml").exists());
     let some = shop.run(&args("equipment.worktable.placement.z_mm=9000,600", "some"));
-    assert_eq!(some.code, Some(0), "{}", some.err);
+    assert_eq!(some.code, Some(1), "{}", some.err);
     let marked: Vec<_> = some.out.lines().filter(|l| l.starts_with('*')).collect();
     assert!(marked.len() == 1 && marked[0].contains("0001"), "{}", some.out);
     assert!(some.out.contains("missed") && some.out.contains("0 of 1"), "{}", some.out);

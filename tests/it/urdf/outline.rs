@@ -104,6 +104,15 @@ fn the_lean_copy_moves_like_the_original() {
     }
 }
 
+/// Aligned columns of numbers with all digits are longer than any text that the program shows.
+#[test]
+fn the_lean_copy_keeps_long_numbers() {
+    let long = "  0.30000000000000004441   0.00000000000000000000000000000012   -0.40000000000000002220  ";
+    let text = chain(&[("revolute", "a", long, "0 0 1"), ("revolute", "b", "0.1 0 0", "0 1 0")]);
+    let copy = lean(&text);
+    assert!(long.len() > 80 && copy.contains(long.trim()), "{copy}");
+}
+
 /// Returns the URDF of a chain of joints, each given by kind, child, origin and axis. The parent of a joint
 /// is the child of the previous joint.
 fn chain(parts: &[(&str, &str, &str, &str)]) -> String {

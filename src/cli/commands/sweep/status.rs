@@ -4,7 +4,7 @@ use crate::cli::commands::suggest;
 use crate::cli::json_text::line;
 use crate::cli::output::path_word;
 use crate::cli::shared_work::MAX_LOSSES;
-use crate::cli::sweep::{StoredRow, row, stored_plan};
+use crate::cli::sweep::{StoredRow, continuing, row, stored_plan};
 use crate::cli::sweep_claims::{CLAIMS, ClaimState, SweepClaim, newest, path};
 use crate::cli::{Exit, output};
 use crate::record::{FailedCombination, HostWork, RunningCombination, SWEEP_STATUS_SCHEMA, SweepStatus};
@@ -20,6 +20,10 @@ pub fn status(folder: &Path, as_json: bool) -> Result<Exit, Exit> {
     let word = path_word(folder);
     match (status.complete, status.running.is_empty()) {
         (true, _) => output::talk(&format!("the table is {word}/table.csv")),
+        // A worker of `--claim` does not begin a combination that was given up.
+        (false, true) if status.free == 0 && status.failed.iter().all(|failed| failed.given_up) => {
+            suggest(&continuing(&stored_plan(folder)?, folder, "--resume"));
+        }
         (false, true) => suggest(&format!("sweep --claim {word}")),
         (false, false) => suggest(&format!("sweep --status {word}")),
     }

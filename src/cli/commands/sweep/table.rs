@@ -23,7 +23,8 @@ pub fn gather(sweep: &CheckedSweep, as_json: bool) -> Result<Exit, Exit> {
         let best = sweep.folder.join(number(best) + ".toml");
         suggest(&format!("map {} --svg map.svg", path_word(&best)));
     }
-    Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
+    let is_accepted = |row: &SweepRow| row.feasible && row.meets_limits();
+    Ok(if document.rows.iter().any(is_accepted) { Exit::Done } else { Exit::AnswerIsNo })
 }
 
 /// Reads the rows of all combinations, and writes the files of the table.

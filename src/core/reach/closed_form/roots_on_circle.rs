@@ -66,7 +66,7 @@ pub(super) struct CircleRoots {
 }
 
 impl CircleValues {
-    /// Result for an angle at which no function exists.
+    /// Result for an angle at which none of the functions is defined.
     pub const NONE: Self =
         Self { functions: [f64::NAN; COUNT], aside: [(0.0, 0.0); COUNT], gap: f64::INFINITY };
 }
