@@ -122,6 +122,7 @@ fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
             "robot: {robot}. The robot file defines its base frame; compare it with the base frame of the controller."
         ),
     ];
+    lines.extend(frames.warning.map(String::from));
     lines.extend(convention.iter().map(|line| line.to_string()));
     let spotless = frames.spotless.iter();
     lines.extend(spotless.map(|operation| format!("operation {operation} has no spot in this layout")));

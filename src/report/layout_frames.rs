@@ -11,6 +11,8 @@ pub struct LayoutFrames {
     pub robot: String,
     /// Name of the layout, such as "best layout".
     pub layout: String,
+    /// Warning if the layout is not feasible or misses a limit.
+    pub warning: Option<&'static str>,
     /// Pose of the robot base.
     pub base: Pose,
     /// Frames of the equipment; obstacles are left out.
@@ -51,6 +53,13 @@ impl LayoutFrames {
             cell: cell.name.clone(),
             robot: cell.robot.name.clone(),
             layout: drawing.name.clone(),
+            warning: match (drawing.is_feasible, drawing.meets_limits) {
+                (false, _) => {
+                    Some("WARNING: this layout is NOT FEASIBLE, do not build it and do not use these frames.")
+                }
+                (true, false) => Some("WARNING: this layout does not meet every limit."),
+                (true, true) => None,
+            },
             base: drawing.base,
             equipment: equipment.collect(),
             spots: Vec::new(),

@@ -270,7 +270,7 @@ fn guesses(robot: &Robot) -> (&'static str, Guesses) {
     let source =
         format!("GUESS, not measured: the preset {} ({}; {})", preset.name, preset.class, preset.source);
     let errors = error_table::table(robot, GUESS, &source, &preset.spreads(robot, &chain));
-    let side = mm_from_m(FOOTPRINT * robot.reach());
+    let side = mm_from_m(FOOTPRINT * robot_file::own_reach(robot));
     (preset.name, Guesses { errors, footprint_mm: ((side / 10.0).round() * 10.0).max(100.0) })
 }
 

@@ -8,7 +8,7 @@ use crate::reach::Inverse;
 pub fn guessed_preset(robot: &Robot, inverse: &Inverse) -> &'static str {
     let slides = robot.joints.iter().any(|joint| joint.kind == JointKind::Prismatic);
     let passive = robot.joints.iter().any(|joint| joint.is_passive());
-    let reach = robot.reach();
+    let reach = own_reach(robot);
     // An arm on a linear axis is judged by its other joints.
     let turning = robot.joints.iter().filter(|joint| joint.kind == JointKind::Revolute).count();
     match if robot.axes() > 6 { turning } else { robot.axes() } {
@@ -20,6 +20,15 @@ pub fn guessed_preset(robot: &Robot, inverse: &Inverse) -> &'static str {
         _ if reach < 2.4 => "medium",
         _ => "large",
     }
+}
+
+/// Returns the reach of an arm, m, measured from its first joint. Slides count at their zero position, because
+/// a linear axis does not make an arm larger.
+pub fn own_reach(robot: &Robot) -> f64 {
+    let mut robot = robot.clone();
+    let slides = robot.joints.iter_mut().filter(|joint| joint.kind == JointKind::Prismatic);
+    slides.for_each(|joint| joint.limits = (0.0, 0.0));
+    robot.reach() - robot.mount.translation.xy().norm()
 }
 
 /// Returns the text of the robot file without its error sets. `footprint_mm` is the side of a guessed

@@ -5,7 +5,8 @@
 //! a frame with z along the next axis. The x axis of the second frame lies along the common normal of
 //! the two axes. If this definition leaves a choice, the following rules apply:
 //!
-//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. The x axis of frame 0 is
+//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. If axis 2 is parallel to
+//!   axis 1, the origin of frame 0 is the origin of joint 1 instead. The x axis of frame 0 is
 //!   the projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees
 //!   of the base x axis, the base y axis is projected instead;
 //! - parallel axes: r = 0. If the two axes lie on the same line, theta and l are also 0;
@@ -122,7 +123,11 @@ impl ArmModel<'_> {
     fn rows(&self, parallel: f64) -> Derived {
         let poses = joint_poses(self.axes);
         let directions = directions(self.axes);
-        let mount = first_frame(&directions[0], &poses[0].translation);
+        let mut mount = first_frame(&directions[0], &poses[0].translation);
+        // The axes of a SCARA are parallel. Their frames then lie at the height of the arm, not of the base link.
+        if directions.get(1).is_some_and(|second| angle(&directions[0], second) <= parallel) {
+            mount.translation = poses[0].translation;
+        }
         let mut frame = mount;
         let mut rows = Vec::new();
         for k in 0..self.axes.len() {

@@ -592,10 +592,17 @@ fn drawings_of_infeasible_layouts_are_marked() {
     let shop = Sandbox::new();
     shop.write("cells/far.toml", BEYOND_REACH);
     for (cell, is_feasible) in [("cells/far.toml", false), (CELL, true)] {
-        for format in ["svg", "dxf"] {
-            let out = format!("drawing.{format}");
+        for (format, extension) in [
+            ("svg", "svg"),
+            ("dxf", "dxf"),
+            ("krl", "dat"),
+            ("rapid", "mod"),
+            ("urscript", "script"),
+            ("fanuc", "txt"),
+        ] {
+            let out = format!("drawing.{extension}");
             let ran = shop.done(&["export", cell, "--to", format, "-o", &out]);
-            let is_marked = shop.text(&out).contains("NOT FEASIBLE, DO NOT BUILD");
+            let is_marked = shop.text(&out).to_uppercase().contains("NOT FEASIBLE, DO NOT BUILD");
             assert_eq!(is_marked, !is_feasible, "{cell} as {format}");
             let warns = ran.err.contains("warning: the layout is not feasible, do not build it: ");
             assert_eq!(warns, !is_feasible, "{cell} as {format}: {}", ran.err);

@@ -120,6 +120,7 @@ fn frames() -> LayoutFrames {
         cell: "cell ; ! # \u{20ac}".into(),
         robot: "arm".into(),
         layout: "best layout".into(),
+        warning: None,
         base,
         equipment,
         spots,
