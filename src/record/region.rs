@@ -9,7 +9,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
-/// their placements. Every operation keeps its spot and branch.
+/// their placements. Every operation keeps its spot and branch; an operation at every node may change the
+/// branch of single nodes.
 ///
 /// Everywhere in the region, the layout works within the placement tolerances. The objective grows by at most
 /// the percentage `indifference_percent` of the cell file.

@@ -7,7 +7,8 @@ use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::{suggest, suggest_with};
 use crate::calibration::{
-    GrossError, GrossErrors, MeasuringSession, Unknown, calibrate as fitted, drawn, gross_errors, harmonics,
+    GrossError, GrossErrors, LEAST_POSITIONS, MeasuringSession, Unknown, calibrate as fitted, drawn,
+    gross_errors, harmonics,
 };
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::{path_word, word};
@@ -110,6 +111,11 @@ fn leave_out_gross_errors(
     let all = gross_errors(chain, sessions, unknowns, priors);
     for (session, GrossErrors { errors, too_many }) in sessions.iter_mut().zip(all) {
         let name = shown(&session.name);
+        if session.measured.len() < LEAST_POSITIONS {
+            output::talk(&format!(
+                "note: {name}: gross errors are not sought among fewer than {LEAST_POSITIONS} positions"
+            ));
+        }
         if too_many {
             let lines: Vec<_> = errors.iter().take(10).map(|error| error.row.to_string()).collect();
             let dots = if errors.len() > lines.len() { ", ..." } else { "" };

@@ -5,7 +5,7 @@ use crate::calibration::{
     DataReading, MeasuredPosition, MeasuringSession, RotationReading, SuspectRows, explain,
     explain_rotations, still_joints, unit_name,
 };
-use crate::cell::{Joint, Robot};
+use crate::cell::{Joint, JointKind, Robot};
 use crate::cli::output::path_word;
 use crate::cli::{Exit, loading, output};
 use crate::files::measured::{
@@ -45,8 +45,15 @@ pub fn session(
         warn_of_suspects(&name, &suspect);
         output::talk(&format!(
             "  help: check the robot, the columns and the joint zeros; the units mm, m and inch, deg and rad, and \
-             every sign, order, zero and coupling of the joints were tried, and the smallest rms distance of measured from nominal positions is {rms}"
+             every sign, order, zero and coupling of the joints were tried, and the smallest rms distance of \
+             measured from nominal positions is {rms}"
         ));
+        if robot.joints.iter().any(|joint| joint.kind == JointKind::Prismatic) {
+            output::talk(
+                "  help: prismatic joints and positions are assumed to have one unit; state other units in the column \
+                 heads, such as `q1 [m]` and `x [mm]`",
+            );
+        }
         return Err(Exit::BadInput);
     };
     let rotation = explain_rotations(chain, &reading, &table.rows);

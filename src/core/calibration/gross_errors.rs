@@ -22,7 +22,7 @@ const FAR: f64 = 0.05;
 /// the model may not fit the session.
 const MOST: f64 = 0.1;
 /// Least number of positions of a session in which gross errors are sought.
-const LEAST_POSITIONS: usize = 20;
+pub const LEAST_POSITIONS: usize = 20;
 /// Least number of positions that remain for each reflector.
 const LEAST_OF_REFLECTOR: usize = 3;
 /// Largest number of fits, and of alignments of the nominal arm.

@@ -46,7 +46,7 @@ mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
-pub use gross_errors::{GrossError, GrossErrors, gross_errors};
+pub use gross_errors::{GrossError, GrossErrors, LEAST_POSITIONS, gross_errors};
 pub use harmonics::harmonics;
 pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
