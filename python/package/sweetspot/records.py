@@ -1762,9 +1762,9 @@ class RefinedEntry(Record):
 
 class RegionEntry(Record):
     """Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
-    their placements. Every operation keeps its spot and branch. Everywhere in the region, the layout works
-    within the placement tolerances. The objective grows by at most the percentage `indifference_percent` of
-    the cell file.
+    their placements. Every operation keeps its spot and branch; an operation at every node may change the
+    branch of single nodes. Everywhere in the region, the layout works within the placement tolerances. The
+    objective grows by at most the percentage `indifference_percent` of the cell file.
     """
 
     equipment: str

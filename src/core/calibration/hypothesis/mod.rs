@@ -20,11 +20,12 @@ use super::deformed::Deformed;
 use super::raw::RawMeasurement;
 use super::rigid::aligned;
 use super::session::MeasuredPosition;
-use crate::cell::JointKind;
+use crate::cell::{JointKind, MAX_JOINTS};
 use crate::pose::Pose;
 use crate::robot::Chain;
 use crate::units::MILLIMETRE;
 use linear_score::LinearScore;
+use std::collections::HashSet;
 
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
@@ -46,6 +47,9 @@ const LEAST_ROWS: usize = 8;
 /// Reciprocal of the share of rows that are left out because they fit worst.
 const WORST: usize = 10;
 
+/// Share of the range of a joint to which the coordinates of equal postures agree.
+const SAME: f64 = 1e-3;
+
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
 const FITTED: usize = 40;
 
@@ -58,6 +62,8 @@ const FITTED: usize = 40;
 /// the distance that this map leaves, and 2 % of `reach`. Returns None if the positions do not determine base
 /// and reflector.
 pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<DataReading> {
+    // Repeats of few postures would outweigh the other postures, and fit any hypothesis.
+    let raw = distinct(raw);
     let some: Vec<_> = spread_out(raw.len(), ROWS).into_iter().map(|k| raw[k]).collect();
     let plain = fitted(chain, &some, reach, &[(true, JointMap::PLAIN), (false, JointMap::PLAIN)], &[false]);
     let plain = simplest(plain);
@@ -71,6 +77,25 @@ pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<Data
     let plain_rms = plain.map_or(f64::INFINITY, |plain| plain.rms);
     let other = other.filter(|other| other.is_plausible(reach) && other.rms * CLEARLY < plain_rms);
     other.map(|other| DataReading { plain_rms, ..other }).or(plain)
+}
+
+/// Returns the first row of every posture and reflector. Postures count as equal if their joint coordinates
+/// agree to the share [`SAME`] of their ranges.
+fn distinct(raw: &[RawMeasurement]) -> Vec<RawMeasurement> {
+    let range = |joint: usize| {
+        let all = raw.iter().map(|m| m.numbers.joints[joint]);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(q), high.max(q)))
+    };
+    let ranges: [(f64, f64); MAX_JOINTS] = std::array::from_fn(range);
+    let mut known = HashSet::new();
+    let is_new = |m: &&RawMeasurement| {
+        let cell = |joint: usize| {
+            let (low, high) = ranges[joint];
+            ((m.numbers.joints[joint] - low) / (SAME * (high - low)).max(f64::MIN_POSITIVE)).round() as i64
+        };
+        known.insert((m.numbers.reflector, std::array::from_fn::<i64, MAX_JOINTS, _>(cell)))
+    };
+    raw.iter().filter(is_new).copied().collect()
 }
 
 /// Returns the simplest of the readings that fit about as well as the best reading.
