@@ -416,3 +416,23 @@ fn the_few_postures_beside_many_repeats_are_kept() {
         assert!(found.errors.is_empty(), "seed {seed}: {found:?}");
     }
 }
+
+/// A gross error in a test does not condemn the other positions.
+#[test]
+fn a_gross_error_in_a_test_is_the_only_outlier() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot));
+    let unknowns = unknowns(&chain, false);
+    let truth = truth(&chain, &unknowns, &mut ChaCha8Rng::seed_from_u64(3));
+    let result = calibrated(&chain, &session(&chain, &unknowns, &truth, 80, 2e-5, 1), &unknowns);
+    let mut other = session(&chain, &unknowns, &truth, 60, 2e-5, 2);
+    let (clean, share) = result.tested(&other.measured).unwrap();
+    assert!(clean.outliers.is_empty() && share > 0.85, "{share}");
+    other.measured[20].position.z += 0.3;
+    let (spoiled, share) = result.tested(&other.measured).unwrap();
+    assert_eq!(spoiled.outliers.iter().map(|(row, _)| *row).collect::<Vec<_>>(), [21]);
+    assert!(share > 0.85, "{share}");
+    for (k, (own, before)) in spoiled.distances.iter().zip(&clean.distances).enumerate() {
+        assert!(k == 20 || (own - before).abs() < 5e-5, "{k}: {own} instead of {before}");
+    }
+}

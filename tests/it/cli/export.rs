@@ -629,3 +629,30 @@ fn an_output_never_replaces_a_file_that_the_command_has_read() {
         assert_eq!(shop.text(CELL), before, "{args:?}");
     }
 }
+
+/// Both ends of a dimension have an extension line.
+#[test]
+fn extension_lines_of_a_sheet_have_a_length() {
+    let shop = Sandbox::new();
+    shop.done(&["export", CELL, "--to", "svg", "-o", "sheet.svg"]);
+    let sheet = shop.text("sheet.svg");
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let mut lines = 0;
+    for path in sheet.split("d=\"M").skip(1).filter_map(|rest| rest.split('"').next()) {
+        let segments: Vec<&str> = path.split('M').collect();
+        // The extension lines of a corner and of the base, downwards and to the left.
+        let is_vertical = |segment: &&str| segment.matches('V').count() == 1 && !segment.contains('H');
+        if segments.len() != 4 || segments.iter().filter(|s| is_vertical(s)).count() != 2 {
+            continue;
+        }
+        for segment in segments {
+            let (start, end) = segment.split_once(['V', 'H']).unwrap();
+            let (x, y) = start.split_once(' ').unwrap();
+            let from = if segment.contains('V') { y } else { x };
+            let length = (number(from).unwrap() - number(end).unwrap()).abs();
+            assert!(length > 1.0, "{segment} in {path}");
+            lines += 1;
+        }
+    }
+    assert!(lines >= 8, "{lines} extension lines");
+}

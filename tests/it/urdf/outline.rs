@@ -189,3 +189,28 @@ fn a_gripper_is_no_part_of_the_arm() {
     let found = outline(&bar);
     assert_eq!((found.tip_link.as_str(), found.joints, found.joints_off), ("flange", 5, vec!["bar".into()]));
 }
+
+/// The base link of a cell is often the floor or a table, not the foot of the arm.
+#[test]
+fn the_rows_of_a_scara_do_not_depend_on_the_height_of_its_base_link() {
+    let arm = [
+        ("revolute", "a", "0 0 0.4", "0 0 1"),
+        ("revolute", "b", "0.3 0 0.05", "0 0 1"),
+        ("prismatic", "c", "0.3 0 0", "0 0 1"),
+        ("revolute", "d", "0 0 -0.1", "0 0 1"),
+    ];
+    let raised = [&[("fixed", "lift", "0.2 0.1 0.8", "0 0 1")][..], &arm].concat();
+    let robot = |parts: &[(&str, &str, &str, &str)]| {
+        load(&chain(parts), 4, "tip_link = \"d\"").0.unwrap_or_else(|faults| panic!("{faults:#?}")).cell.robot
+    };
+    let (low, high) = (robot(&arm), robot(&raised));
+    let rows = |robot: &sweetspot::cell::Robot| {
+        robot.joints.iter().map(|joint| [joint.r, joint.l, joint.alpha]).collect::<Vec<_>>()
+    };
+    for (own, other) in rows(&low).iter().flatten().zip(rows(&high).iter().flatten()) {
+        assert!((own - other).abs() < 1e-12, "{:?} and {:?}", rows(&low), rows(&high));
+    }
+    let moved = high.mount.translation - low.mount.translation;
+    assert!((moved - nalgebra::Vector3::new(0.2, 0.1, 0.8)).norm() < 1e-12, "{moved}");
+    assert!((low.mount.translation.z - 0.4).abs() < 1e-12, "{}", low.mount.translation);
+}
