@@ -1,7 +1,7 @@
 //! Choice of places for a table within the reach of an arm.
 
 use super::own_cell::TablePlace;
-use crate::cell::{Attitude, Robot};
+use crate::cell::{Attitude, JointKind, Robot};
 use crate::reach::{Envelope, Inverse};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 use nalgebra::Vector3;
@@ -28,7 +28,7 @@ const BENCH: f64 = 800.0;
 /// Least height of the top of a table above the floor, mm.
 const LEAST_TOP: f64 = 300.0;
 
-/// Largest number of places for which a map is computed.
+/// Largest number of places in one direction from the arm for which a map is computed.
 const MAX_PLACES: usize = 12;
 
 /// Range of radii within which an arm reaches every sampled point at one height. Radii and height are in m.
@@ -49,17 +49,23 @@ pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64, standoff: i32) 
     // A multiple of a quarter turn is as good as any other angle, and easier to read.
     let azimuth = (deg_from_rad(envelope.middle()) / 90.0).round() * 90.0;
     let reach = robot.reach();
-    let mut stretches: Vec<ReachableStretch> = (0..HEIGHTS)
-        .filter_map(|k| {
-            let height = reach * (LOWEST + (HIGHEST - LOWEST) * k as f64 / (HEIGHTS - 1) as f64);
-            longest_stretch(&envelope, rad_from_deg(azimuth), reach, height)
-        })
-        .collect();
-    stretches.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
-    let places = stretches.iter().flat_map(|stretch| {
-        [0.7, 0.5, 0.35].map(|share| place(stretch, share, reach, (azimuth, bend, standoff)))
-    });
-    places.take(MAX_PLACES).collect()
+    // The rail of a linear axis may occupy the place in front of the arm, but not the places beside it.
+    let has_rail = robot.joints.first().is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    let azimuths = if has_rail { vec![azimuth, azimuth + 90.0, azimuth - 90.0] } else { vec![azimuth] };
+    let places = |azimuth: f64| {
+        let mut stretches: Vec<ReachableStretch> = (0..HEIGHTS)
+            .filter_map(|k| {
+                let height = reach * (LOWEST + (HIGHEST - LOWEST) * k as f64 / (HEIGHTS - 1) as f64);
+                longest_stretch(&envelope, rad_from_deg(azimuth), reach, height)
+            })
+            .collect();
+        stretches.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
+        let places = stretches.iter().flat_map(|stretch| {
+            [0.7, 0.5, 0.35].map(|share| place(stretch, share, reach, (azimuth, bend, standoff)))
+        });
+        places.take(MAX_PLACES).collect::<Vec<_>>()
+    };
+    azimuths.into_iter().flat_map(places).collect()
 }
 
 fn longest_stretch(

@@ -5,8 +5,7 @@ use super::model::*;
 use super::motion::{Motion, TOO_LONG};
 use super::packages::RosPackages;
 use super::tree::{LinkChain, Tree};
-use crate::cell::LinkSolid;
-use crate::cell::{Shape, Solid};
+use crate::cell::{self, LinkSolid, Shape, Solid};
 use crate::files::fault::shown;
 use crate::files::mesh;
 use crate::files::toml::document::Library;
@@ -113,7 +112,20 @@ fn read_mesh(
     }
     let before = lib.faults.len();
     let is_mesh = mesh::is_mesh(&file.name, file.at, lib);
-    let shape = if is_mesh { mesh::load(&path, file.at, scale, *pose, lib) } else { None };
+    let mut shape = if is_mesh { mesh::load(&path, file.at, scale, *pose, lib) } else { None };
+    let size = shape.as_ref().map_or(0.0, |shape| {
+        let extent = cell::extent(shape);
+        (extent.1 - extent.0).amax()
+    });
+    if size > TOO_LONG {
+        let message = format!("the mesh `{}` is {size:.0} m long", shown(&file.name));
+        lib.error(
+            file.at,
+            message,
+            "a URDF states lengths in m: give a mesh in mm the scale 0.001 0.001 0.001",
+        );
+        shape = None;
+    }
     lib.faults[before..].iter_mut().for_each(|fault| fault.mesh = Some(path.clone()));
     shape
 }
