@@ -246,12 +246,12 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let (text, note, mood) = match r.is_met() {
         false if !r.known => {
             let why = "no bound of its error over all misplacements is known";
-            ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
+            ("not guaranteed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         false if r.is_unproven() => {
             let most = quantity(unit, r.limit - r.margin);
             let why = format!("over all misplacements, the only proven bound of its error is {most}");
-            ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
+            ("not guaranteed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.
         true if unit == Unit::Cost => {
