@@ -23,6 +23,7 @@ mod drawing;
 mod elastic;
 mod envelope;
 mod families;
+mod free_coordinates;
 mod front;
 mod heights;
 mod hypotheses;

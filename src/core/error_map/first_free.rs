@@ -52,6 +52,18 @@ impl FirstFree {
 }
 
 impl OperationQuery<'_> {
+    /// Checks the candidates that `next` returns, best first, until a candidate can be used. The candidate is
+    /// then refined along its free coordinates ([`Self::refined`]).
+    pub fn first_free(
+        &self,
+        memory: &mut PostureMemory,
+        mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,
+    ) -> FirstFree {
+        let mut found = self.first_free_sample(memory, &mut next);
+        found.free = found.free.map(|best| self.refined(best, memory, next));
+        found
+    }
+
     /// Checks the candidates that `next` returns, best first, until a candidate can be used.
     ///
     /// If the layout must withstand misplacements, a candidate must also be certified. The search gives up
@@ -59,7 +71,7 @@ impl OperationQuery<'_> {
     ///
     /// The inverse kinematics of a candidate is solved again here. This costs less than storing the postures
     /// of all nodes, because few candidates are checked.
-    pub fn first_free(
+    pub fn first_free_sample(
         &self,
         memory: &mut PostureMemory,
         mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,

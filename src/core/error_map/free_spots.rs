@@ -4,14 +4,15 @@ use super::candidate::PostureCandidate;
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
-use super::workspace::MapperWorkspace;
+use super::workspace::{MapperWorkspace, PostureMemory};
 use std::collections::BinaryHeap;
 
 impl PlacedLayout<'_> {
-    /// Calls `take` for each usable node, in ascending order of value, until `take` returns false. The
-    /// argument of `take` is the node with its best usable posture.
+    /// Calls `take` for each usable node until `take` returns false. The argument of `take` is the node with
+    /// its best usable posture.
     ///
-    /// The first spot is the spot that [`Self::least_error`] finds.
+    /// The nodes come in ascending order of the values at sampled postures. Each spot is then refined along its
+    /// free coordinates, which can decrease its value.
     pub fn free_spots(
         &self,
         operation: usize,
@@ -27,8 +28,9 @@ impl PlacedLayout<'_> {
         let mut taken = vec![false; query.setup.grid.count()];
         loop {
             let is_new = |candidate: &PostureCandidate| !taken[candidate.spot.node];
-            let found = query.first_free(memory, |_| std::iter::from_fn(|| heap.pop()).find(is_new));
-            let Some(PostureCandidate { spot, .. }) = found.free else { return };
+            let next = |_: &mut PostureMemory| std::iter::from_fn(|| heap.pop()).find(is_new);
+            let Some(sample) = query.first_free_sample(memory, next).free else { return };
+            let PostureCandidate { spot, .. } = query.refined_alone(sample, memory);
             taken[spot.node] = true;
             if !take(spot) {
                 return;

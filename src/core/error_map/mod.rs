@@ -38,6 +38,7 @@ mod outcome;
 mod placed_layout;
 mod posture_order;
 mod probe;
+mod refined_posture;
 mod simd;
 mod spin_families;
 mod teaching;

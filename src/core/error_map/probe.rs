@@ -11,7 +11,7 @@ use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, WalkMemory};
 use crate::cell::JointVector;
 use crate::certificate::{NoValueBound, NotCertified, ValueBound};
-use crate::reach::Inverse;
+use crate::reach::{FreeCoordinate, Inverse};
 use crate::reading::WorkContext;
 use nalgebra::Vector3;
 
@@ -118,16 +118,21 @@ impl<'a> Probe<'a> {
         self.query.hold(at, branch)
     }
 
-    /// Returns up to two postures at the point of `held`, with the redundant joint moved in either direction.
+    /// Returns up to four postures at the point of `held`, with a free coordinate moved in either direction
+    /// ([`FreeCoordinate`]).
     ///
-    /// The joint moves by `share` of the distance between its sampled values. No posture is returned if the
-    /// arm has no redundant joint.
+    /// The coordinate moves by `share` of the distance between its sampled values. No posture is returned for
+    /// a coordinate that is not free.
     pub fn beside(&self, held: &HeldPosture, share: f64) -> impl Iterator<Item = HeldPosture> + use<> {
-        let moved = [-share, share].map(|share| {
-            let branch = self.inverse().with_held_joint_moved(held.branch, share)?;
-            self.hold(held.at, branch)
+        let moved = [FreeCoordinate::RedundantJoint, FreeCoordinate::Spin].map(|coordinate| {
+            let is_refined = self.query.refines(coordinate);
+            [-share, share].map(|share| {
+                let inverse = self.inverse();
+                let branch = inverse.moved(held.branch, coordinate, share, &self.query.attitudes);
+                self.hold(held.at, branch.filter(|_| is_refined)?)
+            })
         });
-        moved.into_iter().flatten()
+        moved.into_iter().flatten().flatten()
     }
 
     /// Certifies a held posture if the layout demands certificates. Returns an upper bound of the value over

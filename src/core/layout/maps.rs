@@ -29,7 +29,9 @@ impl Workcell {
             let mut map = placed.map(k, &spots);
             if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
                 map.block(*overlap);
-            } else if demand.is_some() && map.best.is_some() {
+            } else if (demand.is_some() || placed.refines(k)) && map.best.is_some() {
+                // The best node of the map need not be the spot: it may lack a certificate, and the search
+                // refines the postures of few nodes.
                 let query = SpotQuery { workcell: self, placed: &strict, operation: k, spots: &spots };
                 let choice = query.choose(&mut memory);
                 if let Outcome::Found(spot) = choice.outcome {

@@ -4,7 +4,7 @@ use crate::cell::{Attitude, Azimuth, Spin, held};
 use crate::pose::exact_sin_cos;
 use crate::units::wrapped;
 use nalgebra::{Matrix3, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Largest attitude error, rad, that counts as rounding error and therefore as 0.
 const ROUNDING: f64 = 1e-9;
@@ -146,6 +146,24 @@ impl AttitudeSet {
         let of_same_tilt = (0..self.spins.len()).map(move |spin| first + spin * self.tilts());
         let turns = of_same_tilt.filter_map(|k| Some((k, *self.spin_turns.get(k)?)));
         turns.filter(move |(_, turn)| turn.first == first)
+    }
+
+    /// Returns the index of the attitude that differs from attitude `k` by having the first spin, and the
+    /// index of the spin of attitude `k`.
+    pub(super) fn spin_index(&self, k: usize) -> (usize, usize) {
+        let spin = k % self.columns_per_azimuth() / self.tilts();
+        (k - spin * self.tilts(), spin)
+    }
+
+    /// Returns the index of the attitude with the spin `spin` (an index). `first` is the index of the same
+    /// attitude with the first spin.
+    pub(super) fn with_spin(&self, first: usize, spin: usize) -> usize {
+        first + spin * self.tilts()
+    }
+
+    /// Returns the angle between two neighbouring free spins, rad.
+    pub(super) fn spin_step(&self) -> f64 {
+        TAU / self.spins.len() as f64
     }
 
     /// Returns the number of directions of the tool axis per azimuth.

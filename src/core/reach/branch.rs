@@ -11,6 +11,13 @@ const ATTITUDE_BITS: u64 = 0xfff0;
 /// `HeldJoint::LATTICE`).
 const SAMPLE_SHIFT: u32 = 16;
 
+/// Bit of a branch index at which the spin step begins. The lattice number of the redundant joint or the
+/// attitude index of another arm ends below this bit.
+const SPIN_SHIFT: u32 = 40;
+
+/// Number of steps between two neighbouring free spins.
+pub(super) const SPIN_STEPS: u64 = 1 << 12;
+
 /// Returns the attitude index that a branch index of a redundant arm holds.
 pub(super) fn attitude_of(index: u64) -> usize {
     ((index & ATTITUDE_BITS) >> 4) as usize
@@ -23,12 +30,28 @@ pub(super) fn with_attitude(index: u64, attitude: usize) -> u64 {
 
 /// Returns the lattice number of the redundant joint that a branch index holds.
 pub(super) fn sample_of(index: u64) -> u32 {
-    (index >> SAMPLE_SHIFT) as u32
+    (without_spin_step(index) >> SAMPLE_SHIFT) as u32
 }
 
 /// Returns the branch index with the lattice number of the redundant joint replaced by `number`.
 pub(super) fn with_sample(index: u64, number: u32) -> u64 {
-    index & ((1 << SAMPLE_SHIFT) - 1) | u64::from(number) << SAMPLE_SHIFT
+    let others = (SPIN_STEPS - 1) << SPIN_SHIFT | ((1 << SAMPLE_SHIFT) - 1);
+    index & others | u64::from(number) << SAMPLE_SHIFT
+}
+
+/// Returns the number of steps ([`SPIN_STEPS`]) by which the tool is rotated beyond its attitude.
+pub(super) fn spin_step_of(index: u64) -> u64 {
+    index >> SPIN_SHIFT
+}
+
+/// Returns the branch index without its spin step: the index of a sampled spin.
+pub(super) fn without_spin_step(index: u64) -> u64 {
+    index & ((1 << SPIN_SHIFT) - 1)
+}
+
+/// Returns the branch index with its spin step replaced by `step`, which must be below [`SPIN_STEPS`].
+pub(super) fn with_spin_step(index: u64, step: u64) -> u64 {
+    without_spin_step(index) | step << SPIN_SHIFT
 }
 
 /// Class of solvers of the inverse kinematics by their computing time.

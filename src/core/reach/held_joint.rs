@@ -107,6 +107,11 @@ impl HeldJoint {
         self.range = (q[self.index()], q[self.index()]);
     }
 
+    /// Returns whether the redundant joint has only one value.
+    pub fn is_fixed(&self) -> bool {
+        self.range.0 == self.range.1
+    }
+
     /// Returns the value of the redundant joint with the lattice number `number`.
     pub fn sample(&self, number: u32) -> HeldSample<'_> {
         let (lo, hi) = self.range;
@@ -116,7 +121,7 @@ impl HeldJoint {
 
     /// Returns the sampled values of the redundant joint.
     pub fn samples(&self) -> impl Iterator<Item = HeldSample<'_>> {
-        let count = if self.range.0 == self.range.1 { 1 } else { Self::SAMPLES as u32 };
+        let count = if self.is_fixed() { 1 } else { Self::SAMPLES as u32 };
         (0..count).map(|k| self.sample(k * Self::SAMPLE_STEP))
     }
 
@@ -152,6 +157,13 @@ impl HeldJoint {
                 (rest.cos[k], rest.sin[k], rest.r[k]);
         }
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
+    }
+
+    /// Returns the distance (m) of the pose `flange` of the last D-H frame from the reachable poses, with the
+    /// redundant joint held at one value.
+    pub fn distance(&self, sample: &HeldSample<'_>, flange: &Pose) -> f64 {
+        let rest = self.rest_of(flange, &self.at(sample.value).1);
+        self.solver.solve(&rest, &mut self.template.clone(), &mut |_, _| ())
     }
 
     /// Returns an upper bound (m) of the motion of a point when the redundant joint moves by one lattice

@@ -20,7 +20,8 @@ use nalgebra::{Matrix3, Vector3};
 ///
 /// The lowest bits of a branch index hold the number of the solution, and the bits above hold the index of
 /// the attitude. For a redundant arm, the bits from 16 on hold the value of the redundant joint. This value
-/// is a number of small equal steps from the lower end of the range.
+/// is a number of small equal steps from the lower end of the range. The bits from 40 on hold the rotation
+/// from a sampled free spin towards the next one, in small equal steps ([`Self::moved`]).
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,
@@ -198,6 +199,9 @@ impl Inverse {
     /// Returns the posture of the branch with index `wanted`, which [`Self::visit`] has found; None if no
     /// such branch exists.
     pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
+        if self.is_between_spins(wanted) {
+            return self.posture_between_spins(target, attitudes, wanted).ok();
+        }
         let mut found = None;
         let mut keep = |index: u64, posture: &Posture| {
             if index == wanted {
@@ -250,6 +254,10 @@ impl Inverse {
         attitudes: &ToolAttitudes,
         wanted: u64,
     ) -> Result<Branch, f64> {
+        if self.is_between_spins(wanted) {
+            let posture = self.posture_between_spins(target, attitudes, wanted)?;
+            return Ok(self.branch(wanted, &posture, target, attitudes));
+        }
         let mut found = None;
         let mut keep = |index: u64, posture: &Posture| {
             if index == wanted {
@@ -431,7 +439,14 @@ impl Inverse {
     /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target` in attitude `k`.
     #[inline]
     pub(super) fn flange(&self, k: usize, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Pose {
-        let rotation = attitudes.set.columns_at(k, target) * self.tool_rows;
+        self.flange_of(&attitudes.set.columns_at(k, target), target)
+    }
+
+    /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target`. `columns` is the rotation
+    /// matrix of the tool in the base frame ([`tool_columns`]).
+    #[inline]
+    pub(super) fn flange_of(&self, columns: &Matrix3<f64>, target: &Vector3<f64>) -> Pose {
+        let rotation = columns * self.tool_rows;
         let flange = Pose { rotation, translation: *target } * self.to_flange;
         match &self.to_zero {
             Some(to_zero) => *to_zero * flange,

@@ -2,7 +2,7 @@
 //!
 //! If no sample has a usable posture, values between the samples are tried.
 
-use super::branch::{Gap, sample_of, with_attitude, with_sample};
+use super::branch::{Gap, with_attitude, with_sample};
 use super::held_joint::{HeldJoint, HeldSample};
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
@@ -23,21 +23,6 @@ pub(super) struct HeldTarget<'a> {
 }
 
 impl Inverse {
-    /// Returns the index of the branch after a motion of the redundant joint.
-    ///
-    /// The motion is `share` times the distance between neighbouring sampled values. The motion is rounded to
-    /// whole steps of a lattice. The lattice divides the range of the joint into `HeldJoint::LATTICE` equal
-    /// steps.
-    ///
-    /// Returns None if the arm has no redundant joint, or if the new value lies outside the range of the
-    /// joint.
-    pub fn with_held_joint_moved(&self, branch: u64, share: f64) -> Option<u64> {
-        let ChainSolver::Redundant(_) = &self.solver else { return None };
-        let number = f64::from(sample_of(branch)) + (share * f64::from(HeldJoint::SAMPLE_STEP)).round();
-        let is_inside = (0.0..=f64::from(HeldJoint::LATTICE)).contains(&number);
-        is_inside.then(|| with_sample(branch, number as u32))
-    }
-
     /// Solves the inverse kinematics for all attitudes, with the redundant joint held at one value.
     pub(super) fn solve_held(
         &self,
@@ -81,17 +66,33 @@ impl Inverse {
         attitudes: &ToolAttitudes,
         found: &mut dyn FnMut(u64, &Posture),
     ) -> f64 {
+        self.solve_held_flange(sample, &self.flange(first, target, attitudes), &mut |branch, posture| {
+            found(with_sample((first as u64) << 4 | u64::from(branch), sample.number), posture);
+        })
+    }
+
+    /// Solves one pose of the last D-H frame in frame 0 with the redundant joint held at one value. Calls
+    /// `found` with the number and the posture of every solution.
+    ///
+    /// Returns the distance by which the pose is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
+    pub(super) fn solve_held_flange(
+        &self,
+        sample: &HeldSample<'_>,
+        flange: &Pose,
+        found: &mut dyn FnMut(u8, &Posture),
+    ) -> f64 {
         let joint = sample.joint;
         let (held, inverse) = joint.at(sample.value);
-        let flange = joint.rest_of(&self.flange(first, target, attitudes), &inverse);
-        let bound = joint.fast.bound(&flange);
+        let rest = joint.rest_of(flange, &inverse);
+        let bound = joint.fast.bound(&rest);
         if bound > 0.0 {
             return bound;
         }
         let (mut part, mut posture) = (joint.template, self.template);
-        joint.fast.solve(&flange, &mut part, &mut |branch, part| {
+        joint.fast.solve(&rest, &mut part, &mut |branch, part| {
             joint.join(part, &held, &mut posture);
-            found(with_sample((first as u64) << 4 | u64::from(branch), sample.number), &posture);
+            found(branch, &posture);
         })
     }
 
@@ -205,8 +206,7 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
     ) -> f64 {
-        let (joint, rest) = (sample.joint, self.rest(sample, first, target, attitudes));
-        joint.solver.solve(&rest, &mut joint.template.clone(), &mut |_, _| ())
+        sample.joint.distance(sample, &self.flange(first, target, attitudes))
     }
 
     /// Returns the pose that the joints other than the redundant joint must reach.

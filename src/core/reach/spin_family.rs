@@ -3,7 +3,6 @@
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates within
 //! a family. Every quantity that depends only on these joints is computed once per family.
 
-use super::branch::{attitude_of, with_attitude};
 use super::closed_form::planar;
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
@@ -165,23 +164,6 @@ impl Inverse {
                 member
             }
             ChainSolver::Numeric(_) => self.posture(target, attitudes, branch),
-        }
-    }
-
-    /// Returns the attitude index that a branch index of this arm holds.
-    fn attitude_of(&self, branch: u64) -> usize {
-        match &self.solver {
-            ChainSolver::Redundant(_) => attitude_of(branch),
-            // Without a redundant joint, all bits above the lowest four hold the index of the attitude.
-            _ => (branch >> 4) as usize,
-        }
-    }
-
-    /// Returns a branch index of this arm with its attitude index replaced by `attitude`.
-    fn with_attitude(&self, branch: u64, attitude: usize) -> u64 {
-        match &self.solver {
-            ChainSolver::Redundant(_) => with_attitude(branch, attitude),
-            _ => branch & 15 | (attitude as u64) << 4,
         }
     }
 

@@ -1,0 +1,300 @@
+//! Refinement of the chosen posture along the coordinates that the task leaves free.
+//!
+//! The inverse kinematics samples the redundant joint and a free spin of the tool ([`FreeCoordinate`]). The
+//! least-error posture usually lies between the samples. After the best usable sample was found, a compass
+//! search with parabolic steps therefore starts there, and at other good samples. Each search keeps the
+//! point, the solution of the inverse kinematics and all coordinates that are not free. The refined posture
+//! must be usable, too: collision-free, allowed by the motion rules and, if demanded, certified.
+
+use super::candidate::{ArmContact, Certainty, PostureCandidate};
+use super::outcome::Spot;
+use super::placed_layout::PlacedLayout;
+use super::walk::OperationQuery;
+use super::workspace::PostureMemory;
+use crate::cell::Reading;
+use crate::reach::{FreeCoordinate, FreePosition};
+
+/// Greatest number of samples from which refinements start.
+const MAX_STARTS: usize = 6;
+
+/// Greatest number of samples that are considered as starts.
+const MAX_SAMPLES: usize = 32;
+
+/// Refinements start only at samples whose value exceeds the least value by at most this share.
+const MOST_EXCESS: f64 = 0.1;
+
+/// First step of a search, as a share of the distance between neighbouring samples.
+const FIRST_STEP: f64 = 0.5;
+
+/// The search ends when its step falls below this share of the distance between neighbouring samples.
+const LEAST_STEP: f64 = 1.0 / 1024.0;
+
+/// Factor of the step after a poll without a gain, or after a parabolic step.
+const SHRINK: f64 = 0.25;
+
+/// Greatest number of polls of one search.
+const MAX_POLLS: usize = 32;
+
+/// Number of bisections of the path from a start to a refined posture that is not usable.
+const BISECTIONS: usize = 8;
+
+/// Least gain that counts, as a share of the value.
+const LEAST_GAIN: f64 = 1e-5;
+
+/// Two values count as equal if their relative difference is at most this constant.
+const SAME_VALUE: f64 = 1e-9;
+
+/// Directions of a search: motions of the redundant joint and of the spin.
+///
+/// The two diagonal directions lead along a joint limit that depends on both coordinates.
+const DIRECTIONS: [Direction; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
+
+/// Motion along the free coordinates, in the order of [`COORDINATES`], as shares of the distance between
+/// neighbouring samples.
+type Direction = [f64; 2];
+
+const COORDINATES: [FreeCoordinate; 2] = [FreeCoordinate::RedundantJoint, FreeCoordinate::Spin];
+
+/// Branch index and value of a posture within the joint limits.
+type Judged = (u64, f64);
+
+/// Usable sample of the free coordinates.
+#[derive(Clone, Copy)]
+struct UsableSample {
+    node: usize,
+    value: f64,
+    position: FreePosition,
+}
+
+impl UsableSample {
+    fn is_beside(&self, other: &Self) -> bool {
+        self.node == other.node && self.position.is_beside(&other.position)
+    }
+
+    /// Returns whether both samples have the same node and the same value.
+    fn equals(&self, other: &Self) -> bool {
+        self.node == other.node && (self.value - other.value).abs() <= SAME_VALUE * self.value.abs()
+    }
+}
+
+impl PlacedLayout<'_> {
+    /// Returns whether the postures of an operation are refined along a free coordinate.
+    pub fn refines(&self, operation: usize) -> bool {
+        let query = OperationQuery::new(self, operation, &[]);
+        COORDINATES.iter().any(|coordinate| query.refines(*coordinate))
+    }
+}
+
+impl OperationQuery<'_> {
+    /// Returns whether postures of this operation are refined along a free coordinate.
+    ///
+    /// A spin by the last joint alone changes only the effects of errors behind this joint. Such a spin is
+    /// refined only in the signed reading, because the gain is small in the other readings.
+    pub fn refines(&self, coordinate: FreeCoordinate) -> bool {
+        let inverse = &self.placed.mapper.arm.inverse;
+        let evaluator = &self.setup.evaluator;
+        let is_worth_it = match coordinate {
+            FreeCoordinate::RedundantJoint => true,
+            FreeCoordinate::Spin if inverse.spins_by_last_joint() => {
+                evaluator.reading == Reading::Signed && !evaluator.ignores_spin()
+            }
+            FreeCoordinate::Spin => true,
+        };
+        is_worth_it && !self.setup.is_priced && inverse.is_free(coordinate, &self.attitudes)
+    }
+
+    /// Refines the best usable posture `best`, and other good samples, which `next` returns best first.
+    /// Returns the best posture found.
+    ///
+    /// A sample is no start if a better sample lies beside it, because a search from there leads to the same
+    /// posture. It is no start either if another sample of the node has the same value: the two usually differ
+    /// only in a spin that does not change the value.
+    pub(super) fn refined(
+        &self,
+        best: PostureCandidate,
+        memory: &mut PostureMemory,
+        mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,
+    ) -> PostureCandidate {
+        if !COORDINATES.iter().any(|coordinate| self.refines(*coordinate)) {
+            return best;
+        }
+        let most = best.spot.value * (1.0 + MOST_EXCESS);
+        let mut refined = self.refined_alone(best, memory);
+        let mut seen = [None; MAX_SAMPLES];
+        seen[0] = Some(self.sample(&best));
+        let (mut count, mut starts) = (1, 1);
+        while count < MAX_SAMPLES && starts < MAX_STARTS {
+            let Some(sample) = next(memory).filter(|sample| sample.spot.value <= most) else { break };
+            let new = self.sample(&sample);
+            let is_known =
+                sample.certainty != Certainty::Value || seen.iter().flatten().any(|s| s.equals(&new));
+            if is_known || !self.is_free(&sample, memory) {
+                continue;
+            }
+            let is_start = !seen.iter().flatten().any(|other| other.is_beside(&new));
+            seen[count] = Some(new);
+            count += 1;
+            if is_start {
+                starts += 1;
+                let found = self.descend(&sample, memory);
+                if found.1 < refined.spot.value && self.is_usable(&sample, memory) {
+                    let other = self.last_usable(sample, found, memory);
+                    refined = if other.spot.value < refined.spot.value { other } else { refined };
+                }
+            }
+        }
+        self.refined_in_narrow_ranges(refined, most, memory)
+    }
+
+    /// Refines postures at the node of `best` in narrow ranges of a free coordinate that contain no sample.
+    /// Returns the best posture found. Values above `most` are no starts.
+    fn refined_in_narrow_ranges(
+        &self,
+        best: PostureCandidate,
+        most: f64,
+        memory: &mut PostureMemory,
+    ) -> PostureCandidate {
+        let mut refined = best;
+        let (mut starts, mut count) = ([0; MAX_SAMPLES], 0);
+        let inverse = &self.placed.mapper.arm.inverse;
+        inverse.visit_narrow_ranges(&best.target, &self.attitudes, |branch| {
+            if count < MAX_SAMPLES {
+                starts[count] = branch;
+                count += 1;
+            }
+        });
+        for branch in starts.into_iter().take(count) {
+            let Some(value) = self.value_of(&best, branch, memory).filter(|value| *value <= most) else {
+                continue;
+            };
+            let start = PostureCandidate {
+                spot: Spot { branch, value, ..best.spot },
+                contact: ArmContact::Unknown,
+                first: None,
+                ..best
+            };
+            let found = self.descend(&start, memory);
+            if found.1 < refined.spot.value && self.is_usable(&start, memory) {
+                let other = self.last_usable(start, found, memory);
+                refined = if other.spot.value < refined.spot.value { other } else { refined };
+            }
+        }
+        refined
+    }
+
+    fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
+        let Spot { node, branch, value } = candidate.spot;
+        let position = self.placed.mapper.arm.inverse.free_position(branch, &self.attitudes);
+        UsableSample { node, value, position }
+    }
+
+    /// Refines one usable posture. Returns a usable posture whose value is not larger.
+    pub(super) fn refined_alone(
+        &self,
+        start: PostureCandidate,
+        memory: &mut PostureMemory,
+    ) -> PostureCandidate {
+        let found = self.descend(&start, memory);
+        self.last_usable(start, found, memory)
+    }
+
+    /// Searches for a posture of less value along the free coordinates, within the joint limits.
+    fn descend(&self, start: &PostureCandidate, memory: &mut PostureMemory) -> Judged {
+        let refined = COORDINATES.map(|coordinate| self.refines(coordinate));
+        let is_searched = |direction: &Direction| (0..2).all(|k| refined[k] || direction[k] == 0.0);
+        let mut best = (start.spot.branch, start.spot.value);
+        let mut steps = [FIRST_STEP; DIRECTIONS.len()];
+        for _ in 0..MAX_POLLS {
+            let mut is_done = true;
+            for (direction, step) in DIRECTIONS.iter().zip(&mut steps) {
+                if *step >= LEAST_STEP && is_searched(direction) {
+                    is_done = false;
+                    (best, *step) = self.poll(start, best, (direction, *step), memory);
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Tries a step in `direction` and in the opposite direction, and then the vertex of the parabola through
+    /// the three values. Returns the best posture and the next step.
+    fn poll(
+        &self,
+        start: &PostureCandidate,
+        best: Judged,
+        (direction, step): (&Direction, f64),
+        memory: &mut PostureMemory,
+    ) -> (Judged, f64) {
+        let mut at = |share: f64| {
+            let inverse = &self.placed.mapper.arm.inverse;
+            let moves = COORDINATES.into_iter().zip(direction).filter(|(_, by)| **by != 0.0);
+            let mut branch = best.0;
+            for (coordinate, by) in moves {
+                branch = inverse.moved(branch, coordinate, by * share, &self.attitudes)?;
+            }
+            Some((branch, self.value_of(start, branch, memory)?))
+        };
+        let (below, above) = (at(-step), at(step));
+        let vertex = match (below, above) {
+            (Some((_, below)), Some((_, above))) => {
+                let bend = below - 2.0 * best.1 + above;
+                let vertex = step * (below - above) / (2.0 * bend);
+                (bend > 0.0 && vertex.abs() < step).then(|| at(vertex)).flatten()
+            }
+            _ => None,
+        };
+        let gained = |found: &Judged| found.1 < best.1 - LEAST_GAIN * best.1.abs();
+        let found = [below, above, vertex].into_iter().flatten().filter(gained);
+        match found.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(found) if Some(found) == vertex => (found, step * SHRINK),
+            Some(found) => (found, step),
+            None => (best, step * SHRINK),
+        }
+    }
+
+    /// Returns the posture `refined` as a candidate if it is usable. Otherwise returns the last usable posture
+    /// on the path from the start to `refined`, which is found by bisection.
+    fn last_usable(
+        &self,
+        start: PostureCandidate,
+        refined: Judged,
+        memory: &mut PostureMemory,
+    ) -> PostureCandidate {
+        let inverse = &self.placed.mapper.arm.inverse;
+        let (mut usable, mut beyond, mut tried) = (start, refined.0, refined);
+        for _ in 0..=BISECTIONS {
+            let (branch, value) = tried;
+            if branch == usable.spot.branch {
+                break;
+            }
+            let candidate = PostureCandidate {
+                spot: Spot { branch, value, ..start.spot },
+                contact: ArmContact::Unknown,
+                first: None,
+                ..start
+            };
+            match value < usable.spot.value && self.is_usable(&candidate, memory) {
+                true if branch == refined.0 => return candidate,
+                true => usable = candidate,
+                false => beyond = branch,
+            }
+            let middle = inverse.between(usable.spot.branch, beyond, &self.attitudes);
+            tried = (middle, self.value_of(&start, middle, memory).unwrap_or(f64::INFINITY));
+        }
+        usable
+    }
+
+    /// Returns the value of the branch `branch` at the node of `start`; None if the branch does not exist,
+    /// exceeds a joint limit, or if the errors cannot be computed.
+    fn value_of(&self, start: &PostureCandidate, branch: u64, memory: &mut PostureMemory) -> Option<f64> {
+        let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
+        let posture = arm.inverse.usable(&start.target, &self.attitudes, branch)?;
+        let PostureMemory { frames, scratch, counts, .. } = memory;
+        counts.postures += 1;
+        arm.chain.place(&posture, frames);
+        Some(self.setup.value(context, frames, scratch))
+    }
+}
