@@ -55,7 +55,7 @@ impl OwnCell<'_> {
         let (aside, up) = (size.0 / 2, (size.0 / 4).min(top / 3));
         let spins = match self.few_spins {
             true => {
-                "spin_deg = [0, 90, 180, 270] # allowed angles about the tool axis; without this key, angles every 30 degrees are tried\n"
+                "spin_deg = [0, 90, 180, 270] # allowed angles about the tool axis; without this key, every angle is allowed\n"
             }
             false => "",
         };

@@ -76,8 +76,8 @@ base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
     fn operations(&self) -> String {
         let Self { standoff, work, supply, .. } = self;
         let spin = if self.few_spins {
-            "spin_deg = [0, 90, 180, 270] # allowed angles about the tool axis; without this key, angles \
-            every 30 degrees are tried\n"
+            "spin_deg = [0, 90, 180, 270] # allowed angles about the tool axis; without this key, every \
+            angle is allowed\n"
         } else {
             ""
         };

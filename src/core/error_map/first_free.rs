@@ -53,7 +53,7 @@ impl FirstFree {
 
 impl OperationQuery<'_> {
     /// Checks the candidates that `next` returns, best first, until a candidate can be used. The candidate is
-    /// then refined along its free coordinates ([`Self::refined`]).
+    /// then refined along its redundant coordinates ([`Self::refined`]).
     pub fn first_free(
         &self,
         memory: &mut PostureMemory,

@@ -11,7 +11,7 @@ use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, WalkMemory};
 use crate::cell::JointVector;
 use crate::certificate::{NoValueBound, NotCertified, ValueBound};
-use crate::reach::{FreeCoordinate, Inverse};
+use crate::reach::{Inverse, RedundantCoordinate};
 use crate::reading::WorkContext;
 use nalgebra::Vector3;
 
@@ -118,13 +118,13 @@ impl<'a> Probe<'a> {
         self.query.hold(at, branch)
     }
 
-    /// Returns up to four postures at the point of `held`, with a free coordinate moved in either direction
-    /// ([`FreeCoordinate`]).
+    /// Returns up to four postures at the point of `held`, with a redundant coordinate moved in either
+    /// direction ([`RedundantCoordinate`]).
     ///
     /// The coordinate moves by `share` of the distance between its sampled values. No posture is returned for
-    /// a coordinate that is not free.
+    /// a coordinate that the operation does not refine.
     pub fn beside(&self, held: &HeldPosture, share: f64) -> impl Iterator<Item = HeldPosture> + use<> {
-        let moved = [FreeCoordinate::RedundantJoint, FreeCoordinate::Spin].map(|coordinate| {
+        let moved = [RedundantCoordinate::Joint, RedundantCoordinate::Spin].map(|coordinate| {
             let is_refined = self.query.refines(coordinate);
             [-share, share].map(|share| {
                 let inverse = self.inverse();

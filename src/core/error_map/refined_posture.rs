@@ -1,10 +1,11 @@
 //! Refinement of the chosen posture along the coordinates that the task leaves free.
 //!
-//! The inverse kinematics samples the redundant joint and a free spin of the tool ([`FreeCoordinate`]). The
-//! least-error posture usually lies between the samples. After the best usable sample was found, a compass
-//! search with parabolic steps therefore starts there, and at other good samples. Each search keeps the
-//! point, the solution of the inverse kinematics and all coordinates that are not free. The refined posture
-//! must be usable, too: collision-free, allowed by the motion rules and, if demanded, certified.
+//! The inverse kinematics samples the redundant joint and a free spin of the tool ([`RedundantCoordinate`]).
+//! The least-error posture usually lies between the samples. After the best usable sample was found, a compass
+//! search with parabolic steps therefore starts there, at other good samples, and in narrow ranges without a
+//! sample. Each search keeps the point, the solution of the inverse kinematics and all other coordinates. The
+//! refined posture must be usable, too: collision-free, allowed by the motion rules and, if demanded,
+//! certified.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;
@@ -12,16 +13,16 @@ use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::PostureMemory;
 use crate::cell::Reading;
-use crate::reach::{FreeCoordinate, FreePosition};
+use crate::reach::{RedundantCoordinate, SamplePosition};
 
 /// Greatest number of samples from which refinements start.
-const MAX_STARTS: usize = 6;
+const MAX_STARTS: usize = 4;
 
 /// Greatest number of samples that are considered as starts.
-const MAX_SAMPLES: usize = 32;
+const MAX_SAMPLES: usize = 16;
 
 /// Refinements start only at samples whose value exceeds the least value by at most this share.
-const MOST_EXCESS: f64 = 0.1;
+const MOST_EXCESS: f64 = 0.05;
 
 /// First step of a search, as a share of the distance between neighbouring samples.
 const FIRST_STEP: f64 = 0.5;
@@ -49,21 +50,22 @@ const SAME_VALUE: f64 = 1e-9;
 /// The two diagonal directions lead along a joint limit that depends on both coordinates.
 const DIRECTIONS: [Direction; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
 
-/// Motion along the free coordinates, in the order of [`COORDINATES`], as shares of the distance between
+/// Motion along the redundant coordinates, in the order of [`COORDINATES`], as shares of the distance between
 /// neighbouring samples.
 type Direction = [f64; 2];
 
-const COORDINATES: [FreeCoordinate; 2] = [FreeCoordinate::RedundantJoint, FreeCoordinate::Spin];
+/// Coordinates along which a posture is refined.
+const COORDINATES: [RedundantCoordinate; 2] = [RedundantCoordinate::Joint, RedundantCoordinate::Spin];
 
 /// Branch index and value of a posture within the joint limits.
 type Judged = (u64, f64);
 
-/// Usable sample of the free coordinates.
+/// Usable sample of the redundant coordinates.
 #[derive(Clone, Copy)]
 struct UsableSample {
     node: usize,
     value: f64,
-    position: FreePosition,
+    position: SamplePosition,
 }
 
 impl UsableSample {
@@ -78,7 +80,7 @@ impl UsableSample {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns whether the postures of an operation are refined along a free coordinate.
+    /// Returns whether the postures of an operation are refined along a redundant coordinate.
     pub fn refines(&self, operation: usize) -> bool {
         let query = OperationQuery::new(self, operation, &[]);
         COORDINATES.iter().any(|coordinate| query.refines(*coordinate))
@@ -86,21 +88,21 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Returns whether postures of this operation are refined along a free coordinate.
+    /// Returns whether postures of this operation are refined along a redundant coordinate.
     ///
     /// A spin by the last joint alone changes only the effects of errors behind this joint. Such a spin is
     /// refined only in the signed reading, because the gain is small in the other readings.
-    pub fn refines(&self, coordinate: FreeCoordinate) -> bool {
+    pub fn refines(&self, coordinate: RedundantCoordinate) -> bool {
         let inverse = &self.placed.mapper.arm.inverse;
         let evaluator = &self.setup.evaluator;
         let is_worth_it = match coordinate {
-            FreeCoordinate::RedundantJoint => true,
-            FreeCoordinate::Spin if inverse.spins_by_last_joint() => {
+            RedundantCoordinate::Joint => true,
+            RedundantCoordinate::Spin if inverse.spins_by_last_joint() => {
                 evaluator.reading == Reading::Signed && !evaluator.ignores_spin()
             }
-            FreeCoordinate::Spin => true,
+            RedundantCoordinate::Spin => true,
         };
-        is_worth_it && !self.setup.is_priced && inverse.is_free(coordinate, &self.attitudes)
+        is_worth_it && !self.setup.is_priced && inverse.is_redundant(coordinate, &self.attitudes)
     }
 
     /// Refines the best usable posture `best`, and other good samples, which `next` returns best first.
@@ -146,8 +148,8 @@ impl OperationQuery<'_> {
         self.refined_in_narrow_ranges(refined, most, memory)
     }
 
-    /// Refines postures at the node of `best` in narrow ranges of a free coordinate that contain no sample.
-    /// Returns the best posture found. Values above `most` are no starts.
+    /// Refines postures at the node of `best` in narrow ranges of a redundant coordinate that contain no
+    /// sample. Returns the best posture found. Values above `most` are no starts.
     fn refined_in_narrow_ranges(
         &self,
         best: PostureCandidate,
@@ -184,7 +186,7 @@ impl OperationQuery<'_> {
 
     fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
         let Spot { node, branch, value } = candidate.spot;
-        let position = self.placed.mapper.arm.inverse.free_position(branch, &self.attitudes);
+        let position = self.placed.mapper.arm.inverse.sample_position(branch, &self.attitudes);
         UsableSample { node, value, position }
     }
 
@@ -198,7 +200,7 @@ impl OperationQuery<'_> {
         self.last_usable(start, found, memory)
     }
 
-    /// Searches for a posture of less value along the free coordinates, within the joint limits.
+    /// Searches for a posture of less value along the redundant coordinates, within the joint limits.
     fn descend(&self, start: &PostureCandidate, memory: &mut PostureMemory) -> Judged {
         let refined = COORDINATES.map(|coordinate| self.refines(coordinate));
         let is_searched = |direction: &Direction| (0..2).all(|k| refined[k] || direction[k] == 0.0);

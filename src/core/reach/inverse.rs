@@ -246,8 +246,9 @@ impl Inverse {
     /// # Errors
     /// If no branch has this index, returns the distance, m, by which the target is out of reach. The
     /// distance applies to the attitude, and to the value of a redundant joint, that the index encodes. For a
-    /// planar arm, the distance applies to the nearest of all attitudes. The distance is 0 if other branches
-    /// exist, and infinite for the numeric solver.
+    /// planar arm, the distance applies to the nearest of all attitudes. For a spin between two sampled spins
+    /// of a redundant arm, the result may be a lower bound of the distance. The distance is 0 if other
+    /// branches exist, and infinite for the numeric solver.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,
@@ -442,8 +443,8 @@ impl Inverse {
         self.flange_of(&attitudes.set.columns_at(k, target), target)
     }
 
-    /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target`. `columns` is the rotation
-    /// matrix of the tool in the base frame ([`tool_columns`]).
+    /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target`. `columns` is the
+    /// rotation matrix of the tool in the base frame ([`tool_columns`]).
     #[inline]
     pub(super) fn flange_of(&self, columns: &Matrix3<f64>, target: &Vector3<f64>) -> Pose {
         let rotation = columns * self.tool_rows;

@@ -111,14 +111,43 @@ impl Limits {
         }
     }
 
+    /// Returns the limits that a posture exceeds, as bits: bit 2 k for the lower limit of joint k, and bit
+    /// 2 k + 1 for its upper limit.
+    ///
+    /// Returns 0 if the limits cannot be checked on sines and cosines.
+    pub fn exceeded(&self, posture: &Posture) -> u32 {
+        let mut exceeded = 0;
+        if let Some(whole) = &self.whole {
+            self.each_excess(self.ranges.len(), whole, posture, |joint, excess, is_above| {
+                exceeded |= u32::from(excess > 0.0) << (2 * joint + usize::from(is_above));
+            });
+        }
+        exceeded
+    }
+
     /// Returns the excess of the first `joints` joints; `whole` holds the coupling factors.
     #[inline]
     fn excess_of(&self, joints: usize, whole: &[(usize, usize, i32)], posture: &Posture) -> f64 {
+        let mut sum = 0.0;
+        self.each_excess(joints, whole, posture, |_, excess, _| sum += excess);
+        sum
+    }
+
+    /// Calls `found` with each of the first `joints` joints, its excess, and whether its coordinate is above
+    /// the middle of its range.
+    #[inline]
+    fn each_excess(
+        &self,
+        joints: usize,
+        whole: &[(usize, usize, i32)],
+        posture: &Posture,
+        mut found: impl FnMut(usize, f64, bool),
+    ) {
         let mut actuators = [(1.0, 0.0); MAX_JOINTS];
-        let mut excess = 0.0;
         for (i, range) in self.ranges[..joints].iter().enumerate() {
             if range.kind == JointKind::Prismatic {
-                excess += range.missed(posture.r[i] - range.r);
+                let q = posture.r[i] - range.r;
+                found(i, range.missed(q), q > range.centre);
                 continue;
             }
             let mut z = times_conjugate((posture.cos[i], posture.sin[i]), range.zero);
@@ -130,9 +159,9 @@ impl Limits {
                 }
             }
             actuators[i] = z;
-            excess += (range.cos_half - z.0 * range.middle.0 - z.1 * range.middle.1).max(0.0);
+            let excess = (range.cos_half - z.0 * range.middle.0 - z.1 * range.middle.1).max(0.0);
+            found(i, excess, z.1 * range.middle.0 > z.0 * range.middle.1);
         }
-        excess
     }
 
     /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.

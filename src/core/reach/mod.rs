@@ -8,6 +8,7 @@
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
 //! | `general_six_axes` | all solutions for any six revolute axes, by elimination |
 //! | `held_joint`, `redundancy`, `between_samples` | redundancy resolution by a sweep of one joint |
+//! | `redundant_coordinate`, `narrow_range` | postures between the samples of a redundant joint or a free spin |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
 //! | `spin_joint`, `spin_family` | rotation of the tool about its axis by the last joint alone |
@@ -26,7 +27,6 @@ mod closed_form;
 mod envelope;
 mod exact_solver;
 mod fixed_elevation;
-mod free_coordinate;
 mod general_six_axes;
 mod held_joint;
 mod inverse;
@@ -38,6 +38,7 @@ mod numeric_branches;
 mod planar_geometry;
 mod pose_solver;
 mod redundancy;
+mod redundant_coordinate;
 mod refined_solver;
 mod shell;
 mod simplified_chain;
@@ -52,7 +53,6 @@ pub use closed_form::offset_wrist::OffsetWrist;
 pub use closed_form::spherical_wrist::SphericalWrist;
 pub use closed_form::three_parallel::ThreeParallel;
 pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline, Size};
-pub use free_coordinate::{FreeCoordinate, FreePosition};
 pub use general_six_axes::GeneralSixAxes;
 pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
@@ -62,6 +62,7 @@ pub use numeric::{AttitudeGoal, Numeric, NumericSolution, PoseMiss, Shortfall, T
 pub use numeric::{least_turn, rotation_vector};
 pub use numeric_branches::CONTINUED;
 pub use planar_geometry::PlanarGeometry;
+pub use redundant_coordinate::{RedundantCoordinate, SamplePosition};
 pub use refined_solver::RefinedSolver;
 pub use shell::Shell;
 pub use spin_family::FamilyReach;

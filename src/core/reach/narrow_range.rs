@@ -1,13 +1,13 @@
-//! Search for postures in narrow ranges of a free coordinate, between two neighbouring samples.
+//! Search for postures in narrow ranges of a redundant coordinate, between two neighbouring samples.
 //!
 //! A solution of the inverse kinematics may be usable only in a range that contains no sample. The samples on
 //! both sides of such a range are then prevented by different barriers: two joint limits, or a joint limit
 //! and the end of the reach. Bisection between the two barriers finds the range.
 
 use super::branch::with_sample;
-use super::free_coordinate::FreeCoordinate;
 use super::held_joint::HeldJoint;
 use super::inverse::Inverse;
+use super::redundant_coordinate::RedundantCoordinate;
 use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
@@ -15,36 +15,50 @@ use nalgebra::Vector3;
 /// Number of solutions that a branch index distinguishes.
 const SOLUTIONS: usize = 16;
 
-/// Number of bisections between two samples.
-const BISECTIONS: usize = 6;
+/// Number of equal parts into which bisection divides the distance between two samples.
+const PARTS: usize = 32;
 
-/// What prevents a solution at one value of the free coordinate.
+/// What prevents a solution at one value of the redundant coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Barrier {
     /// The target is out of reach.
     Reach,
-    /// A joint exceeds its limit.
-    Limit { joint: usize, is_above: bool },
-    /// Nothing: the posture is usable.
-    None,
+    /// Joint limits, as the bits of [`Limits::exceeded`]; 0 if the posture is usable.
+    ///
+    /// [`Limits::exceeded`]: super::limits::Limits::exceeded
+    Limits(u32),
 }
 
-/// Line of samples of a free coordinate. All its branches have the same attitude, except for the spin if the
-/// spin is the free coordinate.
+impl Barrier {
+    const NONE: Self = Self::Limits(0);
+
+    /// Returns whether the two barriers have nothing in common.
+    fn differs(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Limits(a), Self::Limits(b)) => a & b == 0,
+            (Self::Reach, Self::Reach) => false,
+            _ => true,
+        }
+    }
+}
+
+/// Line of samples of a redundant coordinate. All its branches have the same attitude, except for the spin if
+/// the spin is the coordinate.
 struct SampleLine<'a> {
     inverse: &'a Inverse,
     target: &'a Vector3<f64>,
     attitudes: &'a ToolAttitudes,
-    coordinate: FreeCoordinate,
+    coordinate: RedundantCoordinate,
     /// Branch index of solution 0 at the first sample.
     first: u64,
 }
 
 impl Inverse {
-    /// Calls `found` with a usable branch in each narrow range of a free coordinate that contains no sample.
+    /// Calls `found` with a usable branch in each narrow range of a redundant coordinate that contains no
+    /// sample.
     ///
     /// The coordinate is the redundant joint, or else a free spin by several joints. Ranges that are narrower
-    /// than a sixty-fourth of the distance between two samples may be missed. Arms whose branches do not keep
+    /// than a thirty-second of the distance between two samples may be missed. Arms whose branches do not keep
     /// their indices are not searched.
     pub fn visit_narrow_ranges(
         &self,
@@ -53,11 +67,12 @@ impl Inverse {
         mut found: impl FnMut(u64),
     ) {
         let set = &attitudes.set;
-        let spins_freely = !self.spins_by_last_joint() && self.is_free(FreeCoordinate::Spin, attitudes);
-        let (coordinate, intervals, is_closed) = if self.is_free(FreeCoordinate::RedundantJoint, attitudes) {
-            (FreeCoordinate::RedundantJoint, HeldJoint::SAMPLES - 1, false)
+        let spins_freely =
+            !self.spins_by_last_joint() && self.is_redundant(RedundantCoordinate::Spin, attitudes);
+        let (coordinate, intervals, is_closed) = if self.is_redundant(RedundantCoordinate::Joint, attitudes) {
+            (RedundantCoordinate::Joint, HeldJoint::SAMPLES - 1, false)
         } else if spins_freely {
-            (FreeCoordinate::Spin, set.spins.len(), true)
+            (RedundantCoordinate::Spin, set.spins.len(), true)
         } else {
             return;
         };
@@ -75,13 +90,16 @@ impl Inverse {
 impl SampleLine<'_> {
     /// Searches between the neighbouring samples of the line.
     fn visit(&self, intervals: usize, found: &mut impl FnMut(u64)) {
+        let mut interval =
+            SampleInterval { start: 0, known: 0, barriers: [[Barrier::Reach; SOLUTIONS]; PARTS + 1] };
         let mut before = self.barriers(0.0);
         for k in 1..=intervals {
             let after = self.barriers(k as f64);
+            (interval.start, interval.known) = (k - 1, 0);
             for solution in 0..SOLUTIONS {
                 let ends = (before[solution], after[solution]);
-                if ends.0 != ends.1 && ends.0 != Barrier::None && ends.1 != Barrier::None {
-                    found_between(self, k, solution, ends, found);
+                if ends.0.differs(ends.1) && ends.0 != Barrier::NONE && ends.1 != Barrier::NONE {
+                    interval.bisect(self, solution, ends, found);
                 }
             }
             before = after;
@@ -105,39 +123,47 @@ impl SampleLine<'_> {
     }
 
     fn barrier(&self, posture: &Posture) -> Barrier {
-        match &self.inverse.limits {
-            Some(limits) if limits.excess(posture) > 0.0 => {
-                let (joints, worst) = limits.joints(posture);
-                let is_above = joints[worst.joint] > limits.ranges[worst.joint].centre;
-                Barrier::Limit { joint: worst.joint, is_above }
-            }
-            _ => Barrier::None,
-        }
+        Barrier::Limits(self.inverse.limits.as_ref().map_or(0, |limits| limits.exceeded(posture)))
     }
 }
 
-/// Searches for a usable branch between the samples `k - 1` and `k` of a line, by bisection between the
-/// barriers `ends`.
-fn found_between(
-    line: &SampleLine<'_>,
-    k: usize,
-    solution: usize,
-    ends: (Barrier, Barrier),
-    found: &mut impl FnMut(u64),
-) {
-    let (mut low, mut high) = (k as f64 - 1.0, k as f64);
-    for _ in 0..BISECTIONS {
-        let middle = (low + high) / 2.0;
-        match line.barriers(middle)[solution] {
-            Barrier::None => {
-                if let Some(branch) = line.branch(middle) {
-                    found(branch | solution as u64);
-                }
-                return;
+/// SampleInterval between two neighbouring samples, with the barriers that are already known inside it.
+struct SampleInterval {
+    /// Number of the sample at which the interval starts.
+    start: usize,
+    /// Bit k is set if `barriers[k]` is known.
+    known: u64,
+    /// Barriers of all solutions at the start plus k / [`PARTS`].
+    barriers: [[Barrier; SOLUTIONS]; PARTS + 1],
+}
+
+impl SampleInterval {
+    /// Searches for a usable branch of one solution by bisection between the barriers `ends`.
+    fn bisect(
+        &mut self,
+        line: &SampleLine<'_>,
+        solution: usize,
+        ends: (Barrier, Barrier),
+        found: &mut impl FnMut(u64),
+    ) {
+        let (mut low, mut high) = (0, PARTS);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            let position = self.start as f64 + middle as f64 / PARTS as f64;
+            if self.known >> middle & 1 == 0 {
+                self.barriers[middle] = line.barriers(position);
+                self.known |= 1 << middle;
             }
-            barrier if barrier == ends.0 => low = middle,
-            barrier if barrier == ends.1 => high = middle,
-            _ => return,
+            let barrier = self.barriers[middle][solution];
+            match (barrier.differs(ends.0), barrier.differs(ends.1)) {
+                _ if barrier == Barrier::NONE => {
+                    line.branch(position).into_iter().for_each(|branch| found(branch | solution as u64));
+                    return;
+                }
+                (false, true) => low = middle,
+                (true, false) => high = middle,
+                _ => return,
+            }
         }
     }
 }

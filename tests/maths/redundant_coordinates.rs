@@ -12,7 +12,7 @@ use sweetspot::pose::Pose;
 use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::robot::Frames;
 
-/// Arm with free coordinates, and the number of values that the fine scan tries.
+/// Arm with redundant coordinates, and the number of values that the fine scan tries.
 struct FreeArm {
     name: &'static str,
     cell: Cell,
@@ -119,8 +119,8 @@ fn arms() -> Vec<FreeArm> {
 /// The scan has 721 values of a redundant joint or 720 spins, or 241 values of the joint with 72 spins each. A
 /// value counts as worse if it exceeds the value of the scan by more than 0.1 % and 1 um.
 ///
-/// `SWEETSPOT_TEST_CASES=full cargo test --test maths free_coordinates:: -- --nocapture` compares 1 000 poses of
-/// each arm.
+/// The full test compares 1 000 poses of each arm:
+/// `SWEETSPOT_TEST_CASES=full cargo test --test maths redundant_coordinates:: -- --nocapture`.
 #[test]
 fn refined_postures_are_as_good_as_a_fine_scan() {
     let count = cases(40, 1000);

@@ -23,18 +23,18 @@ const SOLUTION_BITS: u64 = 15;
 
 /// Coordinate that a task leaves free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FreeCoordinate {
+pub enum RedundantCoordinate {
     /// Coordinate of the redundant joint.
-    RedundantJoint,
+    Joint,
     /// Rotation of the tool about its axis, if the attitude leaves it free.
     Spin,
 }
 
-/// Position of a branch on the samples of its free coordinates.
+/// Position of a branch on the samples of its redundant coordinates.
 ///
-/// Two branches with the same `family` differ only in their free coordinates.
+/// Two branches with the same `family` differ only in their redundant coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreePosition {
+pub struct SamplePosition {
     pub family: u64,
     /// Value of the redundant joint; neighbouring samples differ by 1.
     redundant: f64,
@@ -44,7 +44,7 @@ pub struct FreePosition {
     spins: f64,
 }
 
-impl FreePosition {
+impl SamplePosition {
     /// Returns whether two positions have the same family, and are at most one sample apart in each
     /// coordinate.
     pub fn is_beside(&self, other: &Self) -> bool {
@@ -56,10 +56,10 @@ impl FreePosition {
 
 impl Inverse {
     /// Returns whether [`Self::moved`] can change a coordinate of the branches of this arm.
-    pub fn is_free(&self, coordinate: FreeCoordinate, attitudes: &ToolAttitudes) -> bool {
+    pub fn is_redundant(&self, coordinate: RedundantCoordinate, attitudes: &ToolAttitudes) -> bool {
         match (coordinate, &self.solver) {
-            (FreeCoordinate::RedundantJoint, ChainSolver::Redundant(joint)) => !joint.is_fixed(),
-            (FreeCoordinate::Spin, ChainSolver::Pose(_) | ChainSolver::Redundant(_)) => {
+            (RedundantCoordinate::Joint, ChainSolver::Redundant(joint)) => !joint.is_fixed(),
+            (RedundantCoordinate::Spin, ChainSolver::Pose(_) | ChainSolver::Redundant(_)) => {
                 attitudes.set.spin_is_free
             }
             _ => false,
@@ -72,32 +72,32 @@ impl Inverse {
         self.last_joint.is_some()
     }
 
-    /// Returns the index of the branch after a motion along a free coordinate.
+    /// Returns the index of the branch after a motion along a redundant coordinate.
     ///
     /// The motion is `share` times the distance between neighbouring samples of the coordinate. The motion is
     /// rounded to whole steps of a lattice. The lattice divides this distance into `HeldJoint::SAMPLE_STEP`
     /// equal steps (redundant joint), or into `SPIN_STEPS` equal steps (spin).
     ///
-    /// Returns None if the coordinate is not free ([`Self::is_free`]), or if the new value lies outside the
-    /// range of the redundant joint.
+    /// Returns None if the coordinate is not redundant ([`Self::is_redundant`]), or if the new value lies
+    /// outside the range of the redundant joint.
     pub fn moved(
         &self,
         branch: u64,
-        coordinate: FreeCoordinate,
+        coordinate: RedundantCoordinate,
         share: f64,
         attitudes: &ToolAttitudes,
     ) -> Option<u64> {
-        if !self.is_free(coordinate, attitudes) {
+        if !self.is_redundant(coordinate, attitudes) {
             return None;
         }
         match coordinate {
-            FreeCoordinate::RedundantJoint => {
+            RedundantCoordinate::Joint => {
                 let number =
                     f64::from(sample_of(branch)) + (share * f64::from(HeldJoint::SAMPLE_STEP)).round();
                 let is_inside = (0.0..=f64::from(HeldJoint::LATTICE)).contains(&number);
                 is_inside.then(|| with_sample(branch, number as u32))
             }
-            FreeCoordinate::Spin => {
+            RedundantCoordinate::Spin => {
                 let (set, attitude) = (&attitudes.set, self.attitude_of(branch));
                 let (first, spin) = set.spin_index(attitude);
                 let steps = set.spins.len() as u64 * SPIN_STEPS;
@@ -110,36 +110,36 @@ impl Inverse {
     }
 
     /// Returns the index of the branch in the middle between two branches of the same family
-    /// ([`FreePosition::family`]). The result is between them on the shorter way of a free spin.
+    /// ([`SamplePosition::family`]). The result is between them on the shorter way of a free spin.
     pub fn between(&self, from: u64, to: u64, attitudes: &ToolAttitudes) -> u64 {
-        let [a, b] = [from, to].map(|branch| self.free_position(branch, attitudes));
+        let [a, b] = [from, to].map(|branch| self.sample_position(branch, attitudes));
         let turn = b.spin - a.spin;
         let spin = if a.spins > 0.0 { turn - a.spins * (turn / a.spins).round() } else { 0.0 };
         let halves = [
-            (FreeCoordinate::RedundantJoint, (b.redundant - a.redundant) / 2.0),
-            (FreeCoordinate::Spin, spin / 2.0),
+            (RedundantCoordinate::Joint, (b.redundant - a.redundant) / 2.0),
+            (RedundantCoordinate::Spin, spin / 2.0),
         ];
         halves.into_iter().fold(from, |branch, (coordinate, share)| {
             self.moved(branch, coordinate, share, attitudes).unwrap_or(branch)
         })
     }
 
-    /// Returns where a branch lies on the samples of its free coordinates.
-    pub fn free_position(&self, branch: u64, attitudes: &ToolAttitudes) -> FreePosition {
+    /// Returns where a branch lies on the samples of its redundant coordinates.
+    pub fn sample_position(&self, branch: u64, attitudes: &ToolAttitudes) -> SamplePosition {
         let (set, attitude) = (&attitudes.set, self.attitude_of(branch));
         let (mut family, mut position) = (without_spin_step(branch), (0.0, 0.0, 0.0));
-        if self.is_free(FreeCoordinate::Spin, attitudes) {
+        if self.is_redundant(RedundantCoordinate::Spin, attitudes) {
             let (first, spin) = set.spin_index(attitude);
             family = self.with_attitude(family, first);
             let step = spin_step_of(branch) as f64 / SPIN_STEPS as f64;
             (position.1, position.2) = (spin as f64 + step, set.spins.len() as f64);
         }
-        if self.is_free(FreeCoordinate::RedundantJoint, attitudes) {
+        if self.is_redundant(RedundantCoordinate::Joint, attitudes) {
             family = with_sample(family, 0);
             position.0 = f64::from(sample_of(branch)) / f64::from(HeldJoint::SAMPLE_STEP);
         }
         let (redundant, spin, spins) = position;
-        FreePosition { family, redundant, spin, spins }
+        SamplePosition { family, redundant, spin, spins }
     }
 
     /// Returns whether the spin of a branch lies between two sampled spins.
@@ -151,8 +151,8 @@ impl Inverse {
     /// Returns the posture of a branch whose spin lies between two sampled spins.
     ///
     /// # Errors
-    /// If no solution has this index, returns the distance, m, by which the target is out of reach; 0 if
-    /// other solutions exist.
+    /// If no solution has this index, returns the distance, m, by which the target is out of reach, or a lower
+    /// bound of it; 0 if other solutions exist.
     pub(super) fn posture_between_spins(
         &self,
         target: &Vector3<f64>,
@@ -171,8 +171,8 @@ impl Inverse {
     /// Calls `found` with the number and the posture of each solution that has the attitude, the spin and the
     /// value of the redundant joint of the branch index `branch`. The joint limits are ignored.
     ///
-    /// Returns the distance, m, by which the target is out of reach; 0 if a solution exists. Planar arms and
-    /// the numeric solver are not supported.
+    /// Returns the distance, m, by which the target is out of reach, or a lower bound of it; 0 if a solution
+    /// exists. Planar arms and the numeric solver are not supported.
     pub(super) fn solve_at(
         &self,
         target: &Vector3<f64>,
@@ -196,11 +196,7 @@ impl Inverse {
         match &self.solver {
             ChainSolver::Pose(solver) => solver.solve(&flange, &mut self.scratch(), &mut turned),
             ChainSolver::Redundant(joint) => {
-                let sample = joint.sample(sample_of(branch));
-                match self.solve_held_flange(&sample, &flange, &mut turned) {
-                    0.0 => 0.0,
-                    _ => joint.distance(&sample, &flange),
-                }
+                self.solve_held_flange(&joint.sample(sample_of(branch)), &flange, &mut turned)
             }
             ChainSolver::Planar(_) | ChainSolver::Numeric(_) => f64::INFINITY,
         }
