@@ -607,7 +607,7 @@ const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 /// figures of all cells for results/proof/README.md:
 ///
 /// ```text
-/// SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture
+/// SWEETSPOT_FIGURES=1 cargo test --test maths proof::the_proof_figures -- --nocapture
 /// ```
 #[test]
 fn the_proof_figures_of_the_cells_are_regenerated() {
@@ -619,7 +619,10 @@ fn the_proof_figures_of_the_cells_are_regenerated() {
     if all {
         let folder = root().join("results/proof");
         std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(folder.join("README.md"), format!("{FIGURES}{table}")).unwrap();
+        let file = folder.join("README.md");
+        let old = std::fs::read_to_string(&file).unwrap_or_default();
+        let rest = old.find("\n## ").map_or("", |at| &old[at..]);
+        std::fs::write(file, format!("{FIGURES}{table}{rest}")).unwrap();
     }
 }
 
@@ -664,7 +667,7 @@ const FIGURES: &str = "# How good is the best layout found?\n\n\
     \"Seconds\" is the time of the proof alone, on 2 cores that other jobs also used. If a bound covers only some\n\
     operations, the errors of the other operations count as 0. `sweetspot search` says which operations have no bound,\n\
     and why. This command makes the table:\n\n\
-    \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture\n\n\
+    \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::the_proof_figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";
 
