@@ -253,6 +253,8 @@ fn vary(cell: &mut Cell, variant: usize, rng: &mut ChaCha8Rng) {
         }
         if variant == 4 {
             operation.attitude.spin = Spin::Free;
+            // The TCP of a six-axis arm is beside the tool axis, so all joints change the spin.
+            cell.robot.tool.translation.x += if axes == 6 { 0.04 } else { 0.0 };
         }
         if variant == 5 {
             operation.attitude.tolerance = 0.05;
