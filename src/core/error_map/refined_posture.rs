@@ -138,11 +138,7 @@ impl OperationQuery<'_> {
             count += 1;
             if is_start {
                 starts += 1;
-                let found = self.descend(&sample, memory);
-                if found.1 < refined.spot.value && self.is_usable(&sample, memory) {
-                    let other = self.last_usable(sample, found, memory);
-                    refined = if other.spot.value < refined.spot.value { other } else { refined };
-                }
+                refined = self.better(refined, sample, memory);
             }
         }
         self.refined_in_narrow_ranges(refined, most, memory)
@@ -175,13 +171,24 @@ impl OperationQuery<'_> {
                 first: None,
                 ..best
             };
-            let found = self.descend(&start, memory);
-            if found.1 < refined.spot.value && self.is_usable(&start, memory) {
-                let other = self.last_usable(start, found, memory);
-                refined = if other.spot.value < refined.spot.value { other } else { refined };
-            }
+            refined = self.better(refined, start, memory);
         }
         refined
+    }
+
+    /// Refines the posture `start`, which need not be usable. Returns the better of `best` and the result.
+    fn better(
+        &self,
+        best: PostureCandidate,
+        start: PostureCandidate,
+        memory: &mut PostureMemory,
+    ) -> PostureCandidate {
+        let found = self.descend(&start, memory);
+        if found.1 >= best.spot.value || !self.is_usable(&start, memory) {
+            return best;
+        }
+        let other = self.last_usable(start, found, memory);
+        if other.spot.value < best.spot.value { other } else { best }
     }
 
     fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
