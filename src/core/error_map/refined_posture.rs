@@ -165,13 +165,7 @@ impl OperationQuery<'_> {
             let Some(value) = self.value_of(&best, branch, memory).filter(|value| *value <= most) else {
                 continue;
             };
-            let start = PostureCandidate {
-                spot: Spot { branch, value, ..best.spot },
-                contact: ArmContact::Unknown,
-                first: None,
-                ..best
-            };
-            refined = self.better(refined, start, memory);
+            refined = self.better(refined, at_branch(best, (branch, value)), memory);
         }
         refined
     }
@@ -191,6 +185,7 @@ impl OperationQuery<'_> {
         if other.spot.value < best.spot.value { other } else { best }
     }
 
+    /// Returns what the search remembers of a usable sample.
     fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
         let Spot { node, branch, value } = candidate.spot;
         let position = self.placed.mapper.arm.inverse.sample_position(branch, &self.attitudes);
@@ -279,12 +274,7 @@ impl OperationQuery<'_> {
             if branch == usable.spot.branch {
                 break;
             }
-            let candidate = PostureCandidate {
-                spot: Spot { branch, value, ..start.spot },
-                contact: ArmContact::Unknown,
-                first: None,
-                ..start
-            };
+            let candidate = at_branch(start, tried);
             match value < usable.spot.value && self.is_usable(&candidate, memory) {
                 true if branch == refined.0 => return candidate,
                 true => usable = candidate,
@@ -306,4 +296,10 @@ impl OperationQuery<'_> {
         arm.chain.place(&posture, frames);
         Some(self.setup.value(context, frames, scratch))
     }
+}
+
+/// Returns a candidate at the same node as `candidate`, with another branch and its value.
+fn at_branch(candidate: PostureCandidate, (branch, value): Judged) -> PostureCandidate {
+    let spot = Spot { branch, value, ..candidate.spot };
+    PostureCandidate { spot, contact: ArmContact::Unknown, first: None, ..candidate }
 }

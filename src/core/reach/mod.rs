@@ -3,6 +3,7 @@
 //! | file | content |
 //! |---|---|
 //! | `inverse` | [`Inverse`], the only entry point: finds every branch of a target within the limits |
+//! | `known_branch` | posture of a branch whose index is known |
 //! | `solver`, `pose_solver`, `exact_solver` | choice of the solver, tested on the chain before use |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
@@ -30,6 +31,7 @@ mod fixed_elevation;
 mod general_six_axes;
 mod held_joint;
 mod inverse;
+mod known_branch;
 mod limit_cones;
 mod limits;
 mod narrow_range;
