@@ -11,9 +11,9 @@
 //! The redundant joint of an arm and a free spin are refined, too. Each poll also tries a smaller and a
 //! larger value of these coordinates. The first change is half the distance between the sampled values. A
 //! search keeps all other parts of the branch index. At the end point, every branch is judged, as at a node.
-//! If another branch is better there, a search with that branch follows. Only one operation is refined at a time, and all other operations keep their best nodes. An
-//! operation that places a part therefore assumes that the part was picked at the best node of the pick, not
-//! at the refined spot.
+//! If another branch is better there, a search with that branch follows. Only one operation is refined at a
+//! time, and all other operations keep their best nodes. An operation that places a part therefore assumes
+//! that the part was picked at the best node of the pick, not at the refined spot.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
