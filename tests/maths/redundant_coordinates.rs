@@ -154,8 +154,8 @@ fn refined_postures_are_as_good_as_a_fine_scan() {
     }
 }
 
-/// A spin by the last joint alone is only sampled in the statistical reading, because the error changes little with
-/// the spin.
+/// A spin by the last joint alone is only sampled in the statistical reading, because the error changes
+/// little with the spin.
 #[test]
 fn twelve_spins_of_the_last_joint_are_nearly_as_good_as_seventy_two() {
     let mut most = 1.0_f64;

@@ -9,7 +9,7 @@
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
 //! | `general_six_axes` | all solutions for any six revolute axes, by elimination |
 //! | `held_joint`, `redundancy`, `between_samples` | redundancy resolution by a sweep of one joint |
-//! | `redundant_coordinate`, `narrow_range` | postures between the samples of a redundant joint or a free spin |
+//! | `redundant_coordinate`, `narrow_range` | postures between the samples of a joint or a free spin |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
 //! | `spin_joint`, `spin_family` | rotation of the tool about its axis by the last joint alone |

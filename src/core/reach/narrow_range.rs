@@ -127,7 +127,7 @@ impl SampleLine<'_> {
     }
 }
 
-/// SampleInterval between two neighbouring samples, with the barriers that are already known inside it.
+/// Interval between two neighbouring samples, with the barriers that are already known inside it.
 struct SampleInterval {
     /// Number of the sample at which the interval starts.
     start: usize,

@@ -154,7 +154,8 @@ fn poses_out_of_reach_have_a_distance() {
 #[test]
 fn a_cell_with_nearly_exact_rows_has_the_values_of_the_closed_form() {
     let mut cell = shipped("wrist_cell.toml");
-    // A free spin would be refined in the cell with nearly exact rows alone, where no single joint turns the tool.
+    // A free spin would be refined only in the cell with nearly exact rows, where no single joint turns the
+    // tool.
     for operation in &mut cell.operations {
         operation.attitude.spin = Spin::At(Attitude::free_spins().collect());
     }
