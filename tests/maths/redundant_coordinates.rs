@@ -1,13 +1,13 @@
 //! Tests the refinement of postures along the coordinates that a task leaves free (redundant joint and free
 //! spin) against a fine scan of these coordinates.
 
-use crate::common::{cases, shipped};
+use crate::common::{buildable, cases, shipped};
 use nalgebra::{Matrix3, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use sweetspot::cell::{Attitude, Cell, Layout, MAX_JOINTS, Placement, Spin};
-use sweetspot::layout::Workcell;
+use sweetspot::layout::{HeldLayout, HeldMemory, Workcell};
 use sweetspot::pose::Pose;
 use sweetspot::reading::{WorkContext, WorkFrame};
 use sweetspot::robot::Frames;
@@ -197,4 +197,22 @@ fn refinement_improves_on_the_sampled_spins() {
     let ratios: Vec<f64> = values.map(|(refined, sampled)| sampled / refined).collect();
     assert!(ratios.len() > 40 && ratios.iter().all(|ratio| *ratio >= 1.0), "{ratios:?}");
     assert!(ratios.iter().filter(|ratio| **ratio > 1.05).count() > 5, "{ratios:?}");
+}
+
+/// A refined posture of a layout to build leaves room to place the pieces: each table of the Panda may be
+/// displaced by 5 mm in every direction.
+#[test]
+fn refined_postures_of_a_layout_to_build_leave_room() {
+    let workcell = Workcell::new(buildable("panda_cell.toml")).unwrap();
+    let start = workcell.cell.start();
+    let held = HeldLayout::new(&workcell, &start).unwrap();
+    for (piece, (x, y)) in
+        (0..2).flat_map(|piece| [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|by| (piece, by)))
+    {
+        let mut moved = start.clone();
+        moved.placements[piece].x += 0.005 * x;
+        moved.placements[piece].y += 0.005 * y;
+        let judged = held.judge(&moved, f64::INFINITY, &mut HeldMemory::default());
+        assert!(judged.is_ok(), "piece {piece} moved by {x}, {y}: {judged:?}");
+    }
 }

@@ -6,6 +6,9 @@
 //! sample. Each search keeps the point, the solution of the inverse kinematics and all other coordinates. The
 //! refined posture must be usable, too: collision-free, allowed by the motion rules and, if demanded,
 //! certified.
+//!
+//! A layout to build must leave room to place its pieces. Its postures are therefore not refined up to the edge
+//! of what is certified, nor in narrow ranges.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;
@@ -141,7 +144,10 @@ impl OperationQuery<'_> {
                 refined = self.better(refined, sample, memory);
             }
         }
-        self.refined_in_narrow_ranges(refined, most, memory)
+        match self.placed.demand {
+            None => self.refined_in_narrow_ranges(refined, most, memory),
+            Some(_) => refined,
+        }
     }
 
     /// Refines postures at the node of `best` in narrow ranges of a redundant coordinate that contain no
@@ -260,7 +266,8 @@ impl OperationQuery<'_> {
     }
 
     /// Returns the posture `refined` as a candidate if it is usable. Otherwise returns the last usable posture
-    /// on the path from the start to `refined`, which is found by bisection.
+    /// on the path from the start to `refined`, which is found by bisection. For a layout to build, returns the
+    /// start instead.
     fn last_usable(
         &self,
         start: PostureCandidate,
@@ -269,7 +276,8 @@ impl OperationQuery<'_> {
     ) -> PostureCandidate {
         let inverse = &self.placed.mapper.arm.inverse;
         let (mut usable, mut beyond, mut tried) = (start, refined.0, refined);
-        for _ in 0..=BISECTIONS {
+        let bisections = if self.placed.demand.is_some() { 0 } else { BISECTIONS };
+        for _ in 0..=bisections {
             let (branch, value) = tried;
             if branch == usable.spot.branch {
                 break;
