@@ -68,8 +68,9 @@
 //! All these modules may also use [`units`] for conversions, `safe_text`, `geometry` for plane geometry and
 //! [`pose`] for rigid transforms.
 //!
-//! The modules from [`cell`] to [`raster`] do all computation. They form the package `sweetspot-core`, which
-//! the compiler optimizes fully. The package `sweetspot` re-exports the modules under the same names.
+//! The modules from [`cell`] to [`raster`] do all computation. They form the package `sweetspot-core`. A
+//! release build optimizes this package for speed. The package `sweetspot` re-exports the modules under the
+//! same names.
 //!
 //! `evaluate` takes a [`layout::Workcell`]: a cell with a prepared kinematic chain, inverse kinematics and
 //! collision shapes (parry3d). A search prepares the workcell once and evaluates hundreds of thousands of

@@ -8,7 +8,8 @@
 //! - Richtmyer: multiples of the square roots of the primes, modulo 1 (R. D. Richtmyer, "The evaluation of
 //!   definite integrals, and a quasi-Monte-Carlo method based on the properties of algebraic numbers", 1951).
 
-/// Fractional part of the golden ratio. The fractional parts of its multiples are spread most evenly.
+/// Fractional part of the golden ratio. No other step spreads its multiples, modulo 1, more evenly over the
+/// unit interval.
 pub const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 /// Golden angle, rad. Successive multiples of this angle are spread most evenly over the circle.
 pub const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;

@@ -17,7 +17,7 @@ pub fn escaped(text: &str) -> String {
         .replace('\'', "&#39;")
 }
 
-/// Kind of end of a path: open, or closed to the first point.
+/// End of a path: open, or closed by a line to the first point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathEnd {
     Open,

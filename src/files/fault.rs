@@ -32,8 +32,8 @@ pub enum FaultKind {
 
 /// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
 ///
-/// A setting on the command line has no position in a file. `file` is then the setting as typed, and line and
-/// column are both zero.
+/// A setting on the command line has no position in a file. In a fault of such a setting, `file` is the
+/// setting as typed, and line and column are zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,
@@ -78,8 +78,8 @@ impl Fault {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
-    /// Returns the error for a file of another kind that was given as the cell or robot file. The help states
-    /// the next step for the file at `path`.
+    /// Returns the error for a file of another kind that was given as the cell or robot file. The help text
+    /// of the error states what the user can do with the file.
     pub fn foreign(path: &str, content: FileContent, needed: &str) -> Self {
         let fault = Self::of_file(path, not_needed(path, content, needed), content.next_step(&shown(path)));
         Self { kind: FaultKind::Foreign(content), ..fault }

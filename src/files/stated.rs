@@ -12,7 +12,7 @@ pub enum StatedCalibration {
     /// Pose of each joint frame in the frame of the link before that joint. The variant also holds the hash
     /// of the calibration.
     Frames { frames: Vec<Pose>, hash: Option<String> },
-    /// Differences of theta (rad), a (m), d (m) and alpha (rad) from the nominal rows.
+    /// Differences of theta (rad), a (m), d (m) and alpha (rad) from the nominal Denavit-Hartenberg rows.
     Rows { theta: Vec<f64>, a: Vec<f64>, d: Vec<f64>, alpha: Vec<f64> },
 }
 
@@ -102,7 +102,8 @@ pub fn read_yaml(file: &str, text: &str) -> Result<StatedCalibration, Vec<Fault>
 const LAYOUT: &str = "give `kinematics:` with shoulder, upper_arm, forearm, wrist_1, wrist_2 and wrist_3, each \
                       with x, y, z, roll, pitch and yaw, as the driver of Universal Robots writes it";
 
-/// Reads the rows of a `calibration.conf`: `delta_theta = [ ... ]` and likewise for a, d and alpha.
+/// Reads the differences from the nominal Denavit-Hartenberg rows that a `calibration.conf` states. The file
+/// has one line `delta_theta = [ ... ]`, and one such line for each of a, d and alpha.
 ///
 /// # Errors
 ///

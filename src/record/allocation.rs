@@ -34,9 +34,8 @@ pub struct AllocationDocument {
     pub status: AllocationStatus,
     /// Cost of the tolerances in the error set.
     pub cost_before: f64,
-    /// Cost of the final tolerances; null if infeasible. If a figure still exceeds its limit after the last
-    /// round, all tolerances are reduced. `cost` includes this reduction, which makes the tolerances more
-    /// expensive.
+    /// Cost of the final tolerances; null if infeasible. If the optimized tolerances give a figure above its
+    /// limit, the program finally reduces all tolerances. This reduction increases `cost`.
     pub cost: Option<f64>,
     /// Proven lower bound of the cost; null if infeasible. The proof uses figures of the linear error model.
     /// A factor adapts each of these figures to the error model of the cell.
@@ -61,10 +60,11 @@ pub struct AllocationDocument {
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
     /// The error model of the cell confirms that the tolerances meet all limits. `duality_gap` compares their
-    /// cost with its lower bound. A reduction of all tolerances after the last round increases this gap.
+    /// cost with its lower bound. If the optimized tolerances exceed a limit, the program finally reduces all
+    /// tolerances. This reduction increases the gap.
     Cheapest,
-    /// The error model of the cell gives a figure above its limit. All tolerances were reduced after the last
-    /// round, but the figure still exceeds the limit.
+    /// The error model of the cell gives a figure above its limit. The program finally reduces all
+    /// tolerances, but the figure still exceeds the limit.
     Exceeded,
     /// A figure exceeds its limit even at the tightest tolerances.
     Infeasible,
@@ -186,8 +186,7 @@ pub struct JudgementEntry {
     /// Largest excess of a figure over its limit at the final tolerances, percent; negative if all figures
     /// are below their limits.
     pub excess_percent: f64,
-    /// Number of cone programs, which are convex optimization problems, solved in the round that gave the
-    /// solution.
+    /// Number of convex optimization problems (cone programs) in the round that gave the solution.
     pub programs: usize,
 }
 

@@ -66,8 +66,8 @@ pub struct OperationBudget {
     /// Worst case of the error by the linear model, in the unit of the sense; null if `worst_linear_exact` is
     /// null.
     pub linear_worst: Option<f64>,
-    /// Standard deviation of the error by the linear model, in the unit of the sense; null if
-    /// `worst_linear_exact` is null.
+    /// Root mean square deviation of the error from its mean, by the linear model, in the unit of the sense.
+    /// Null if `worst_linear_exact` is null.
     pub linear_rms: Option<f64>,
 }
 

@@ -47,8 +47,8 @@ pub struct OperationOrderEntry {
     pub judges: String,
     /// Reason why the search judges every posture; null if the search skips some postures.
     pub why: Option<String>,
-    /// Reason why the operation can have no value field (lower bounds that hold in every layout), which
-    /// excludes nodes. Null if the operation can have a value field.
+    /// Reason why the operation can have no value field; null if it can have one. A value field excludes
+    /// nodes by lower bounds that hold in every layout.
     #[serde(default)]
     pub why_no_field: Option<String>,
 }
@@ -78,9 +78,9 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of robot solids that the robot can carry at the same time. The robot carries a held
-    /// part only during its operation. If self-collision is not checked, only pairs with the pedestal are
-    /// returned.
+    /// Returns every pair of robot solids that can be present at the same time. A held part counts as a robot
+    /// solid, and is present only during its operation. If self-collision is not checked, only pairs with the
+    /// pedestal are returned.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

@@ -42,7 +42,8 @@ pub struct ErrorsDocument {
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
-    /// Predicted pose accuracy AP from the printed tolerances, which include the random errors.
+    /// Predicted pose accuracy AP from the tolerances in `parameters`. These tolerances include the random
+    /// errors.
     pub ap_of_set: AccuracyQuantiles,
     /// Standard deviations of the joint coordinates: degrees, or mm for a prismatic joint. Together they
     /// cause the repeatability `wanted_rp_mm`. Null if `wanted_rp_mm` is null.
@@ -173,8 +174,8 @@ pub struct GuessQuestion {
 }
 
 impl ErrorsDocument {
-    /// Makes the document of a guess with the name and the source of its error set. `total` is the pose
-    /// accuracy that constant and random errors together give.
+    /// Makes the document of an error set from its tolerances (`guess`), its name and its source. `total` is
+    /// the pose accuracy that constant and random errors together give.
     pub fn new(
         robot: &Robot,
         question: &GuessQuestion,

@@ -70,11 +70,12 @@ pub struct ExplanationDocument {
     pub second_order: DisplacementEntry,
     /// Error of the TCP by the nonlinear model, in the world frame.
     pub nonlinear: DisplacementEntry,
-    /// Nonlinear error of the robot alone, in the world frame. This error ignores the registration, the error
-    /// at the pick of the part, and the errors of the equipment.
+    /// Nonlinear error of the robot alone, in the world frame. This error ignores the registration and the
+    /// errors of the equipment. If the operation places a picked part, the error at the pick is ignored, too.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. Three effects add up to this
-    /// difference: the registration, the error at the pick of the part, and the errors of the equipment.
+    /// Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. The registration and the
+    /// errors of the equipment cause this difference. If the operation places a picked part, the error at the
+    /// pick contributes, too.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.

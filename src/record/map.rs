@@ -124,7 +124,7 @@ pub struct OperationMapEntry<'a> {
     pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
-    /// Usable nodes at which a joint is outside the range that the calibration measured; left out if there
+    /// Usable nodes at which a joint is outside the range of the measured postures; left out if there
     /// are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<ExtrapolatedEntry>,
@@ -136,7 +136,7 @@ pub struct OperationMapEntry<'a> {
     /// at every node, the spot is the node with the greatest value. For such an operation, the spot is null
     /// if any node is unusable.
     pub best: Option<MapNode>,
-    /// Spot refined between the nodes of the grid.
+    /// Best spot between the nodes of the grid; null if the program computed no such spot.
     pub refined: Option<RefinedEntry>,
 }
 

@@ -91,7 +91,7 @@ pub struct SpotRankingEntry {
     pub greatest_mm: f64,
 }
 
-/// One spot with its errors.
+/// Spot, a commanded position, with the errors of the poses there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredSpotEntry {

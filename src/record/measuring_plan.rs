@@ -46,8 +46,8 @@ pub struct PlannedPoseEntry {
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The base is assumed to be registered again. The part of the error that the unknowns do not explain is not
-/// counted.
+/// The base is assumed to be registered again. The expected errors leave out the part that the unknowns of
+/// the calibration do not explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {
@@ -66,7 +66,7 @@ pub struct ExpectedEntry {
     pub own_misfit_mm: f64,
 }
 
-/// Postures that were tried.
+/// Numbers of postures that were examined for the plan: usable, colliding, and hidden from the tracker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TriedEntry {

@@ -60,8 +60,8 @@ pub struct RobustnessEntry {
     /// Placement tolerances (half widths) of the robot base and of the equipment on which the operation
     /// depends. Empty if none of these placements has a tolerance.
     pub tolerance: MovesByName,
-    /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of all
-    /// bodies, also of bodies that `tolerance` leaves out.
+    /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of the
+    /// robot base and of all equipment. Equipment that `tolerance` leaves out is included.
     pub corners: usize,
     /// Evaluated corner of the tolerance boxes with the greatest value of the operation. Null if `tolerance`
     /// is empty, or if the operation cannot be done at any corner.
@@ -144,15 +144,15 @@ pub struct LargestEntry {
     pub ended: Option<EndedEntry>,
 }
 
-/// Reason why a misplacement larger than `most` is not allowed.
+/// Reason why a misplacement larger than `most` of `LargestEntry` is not allowed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// Misplacement at which the operation cannot be done. This misplacement is larger than `most`, unless
-    /// both are 0.
+    /// Misplacement at which the operation cannot be done. This misplacement is larger than `most` of
+    /// `LargestEntry`. If `most` is 0, this misplacement may also be 0.
     Lost(LostEntry),
     /// Misplacement at which the value of the operation exceeds the limit. This misplacement is larger than
-    /// `most`, unless both are 0.
+    /// `most` of `LargestEntry`. If `most` is 0, this misplacement may also be 0.
     Limit(CornerEntry),
 }
 

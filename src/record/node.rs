@@ -34,7 +34,7 @@ pub struct MapNode {
     pub error_sense_mm: Option<f64>,
     /// Error that the operation's sense measures; null if this sense measures a length.
     pub error_sense_deg: Option<f64>,
-    /// Value at this node of the figure that the search minimizes, in the `unit` of the document.
+    /// Figure that the search minimizes, evaluated at this node, in the `unit` of the document.
     pub value: Option<f64>,
     /// Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: Option<bool>,

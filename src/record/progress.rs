@@ -4,7 +4,7 @@ use crate::cell::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Name and version of a line of progress.
+/// Name and version of the schema of a [`ProgressLine`].
 pub const PROGRESS_SCHEMA: &str = "sweetspot/progress/1";
 
 /// Line of progress, which `search --progress json` prints on stderr once per second.

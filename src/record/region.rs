@@ -9,8 +9,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
-/// their placements. Every operation keeps its spot and branch; an operation at every node may change the
-/// branch of single nodes.
+/// their placements. Every operation keeps its spot and branch. An operation that happens at every node may
+/// use another branch at each node.
 ///
 /// Everywhere in the region, the layout works within the placement tolerances. The objective grows by at most
 /// the percentage `indifference_percent` of the cell file.
@@ -39,16 +39,16 @@ pub struct RegionEntry {
     pub ends_with: String,
 }
 
-/// Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
-/// rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only with its
-/// carrier.
+/// Rotation of equipment, as one body, about the base axis: the vertical line through the origin of the robot
+/// base. Equipment rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only
+/// with its carrier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
     /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
-    /// Reason why the rotation ends in the direction that allows less rotation. If both directions allow
-    /// equal rotations, the reason belongs to the negative direction.
+    /// Reason why the equipment cannot rotate farther in the direction with the smaller allowed rotation. If
+    /// both directions allow equal rotations, the reason belongs to the negative direction.
     pub ends_with: String,
 }
 

@@ -49,7 +49,8 @@ pub struct RemedyEntry {
     pub feasible: bool,
     /// Objective in the unit of the document; null if the layout is not feasible.
     pub objective: Option<f64>,
-    /// Reduction of the objective relative to the present layout, percent.
+    /// Reduction of the objective compared with the remedy `as-drawn` (layout as drawn, no calibration),
+    /// percent.
     pub gain_percent: Option<f64>,
     /// Whether every operation stays within its limit; null if no operation has a limit.
     pub within_limits: Option<bool>,

@@ -79,10 +79,10 @@ pub struct SearchResult {
     /// or the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is
     /// true.
     pub certified: Option<CertifiedEntry>,
-    /// Least objective found, in `unit`. Layouts whose objective is at most `indifference_percent` (cell
-    /// file) greater count as equally good. Among them, the search chooses one with nearly the largest room.
-    /// The room of a layout is the least `room_mm` of its pieces. Null if no layout is feasible and within
-    /// every limit.
+    /// Least objective found, in `unit`. Layouts count as equally good if their objectives exceed the least
+    /// objective by at most `indifference_percent` (cell file). Among these layouts, the search chooses one
+    /// with nearly the largest room. The room of a layout is the least `room_mm` of its pieces. Null if no
+    /// layout is feasible and within every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// One region for each piece that the search places. The piece may stand anywhere in its region.
@@ -194,7 +194,7 @@ pub struct StartEntry {
     pub cycle_time: Option<CycleTimeEntry>,
 }
 
-/// Layout of the Pareto front or of the shortlist.
+/// Layout of the Pareto front, or of the shortlist: the best layouts that differ clearly from each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AlternativeEntry {

@@ -60,14 +60,15 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
     /// Largest allowed value of the operation. If the objective is a tolerance cost, this limit is the cost
-    /// of the tightest tolerances. A greater value means that the error exceeds its own limit even with the
-    /// tightest tolerances.
+    /// of the tightest tolerances. If the value exceeds this cost, even the tightest tolerances give more
+    /// than the largest allowed error.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
-    /// withstand misplacements, `worst` replaces the value.
+    /// withstand misplacements, the upper bound `worst` of `SpotEntry` replaces the value. The value stays if
+    /// `worst` is null or if the objective is a tolerance cost.
     pub margin: f64,
-    /// Whether the limit is met. The limit counts as missed if the layout must withstand misplacements but
-    /// `worst` is not known.
+    /// Whether the limit is met. An error limit counts as missed if the layout must withstand misplacements
+    /// but `worst` of `SpotEntry` is null.
     pub met: bool,
 }
 

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Name and version of the plan of a sweep.
+/// Name and version of the schema of a [`SweepPlan`].
 pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
 /// Name and version of the table of a sweep.
 pub const SWEEP_SCHEMA: &str = "sweetspot/sweep/1";
@@ -162,7 +162,8 @@ pub struct SweepSpot {
     /// Whether the limit is met; null if the operation has no limit or no spot. A limit that is not guaranteed
     /// over the misplacements counts as missed.
     pub limit_met: Option<bool>,
-    /// Whether the operation meets its limit, with the case that the limit is not guaranteed.
+    /// State of the limit: `met`, `missed`, `not-guaranteed` (over all misplacements), or `none` (no limit or
+    /// no spot).
     pub requirement: RequirementState,
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Name and version of the state of a sweep.
+/// Name and version of the schema of a [`SweepStatus`].
 pub const SWEEP_STATUS_SCHEMA: &str = "sweetspot/sweep-status/1";
 
 /// State of a sweep, which `sweep --status` prints.

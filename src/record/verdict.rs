@@ -81,8 +81,8 @@ pub enum VerdictAnswer {
 pub enum RequirementState {
     Met,
     Missed,
-    /// The error of the layout as drawn is within the limit, but its bound over all misplacements is not, or is
-    /// not known.
+    /// The error without misplacement is within the limit. The upper bound of the error over all
+    /// misplacements exceeds the limit or is not known.
     NotGuaranteed,
     /// There is no limit.
     None,

@@ -30,14 +30,14 @@ const KRL: [&str; 4] = [
     "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the rotated Y, then C about the twice rotated X.",
     "The values are relative to $ROBROOT, which equals $WORLD if $ROBROOT is zero.",
     "Use a frame as $BASE = $ROBROOT : base_NAME, or enter it as BASE_DATA[n] if $ROBROOT is zero.",
-    "A spot is the frame of the TCP in the base on which the operation happens.",
+    "A spot is the frame of the TCP relative to base_NAME of the equipment on which the operation happens.",
 ];
 /// Comment lines that state the units, rotations and reference frames of RAPID.
 const RAPID: [&str; 4] = [
     "Positions in mm. Rotations as unit quaternions q1 to q4; q1 is the scalar part.",
     "A user frame is relative to the world frame: the values hold if the robot base frame is the world frame.",
     "The object frame of each work object is zero.",
-    "A spot is the pose of the TCP in the work object on which the operation happens.",
+    "A spot is the pose of the TCP in the work object of the equipment on which the operation happens.",
 ];
 /// Comment lines that state the units, rotations and reference frames of URScript.
 const URSCRIPT: [&str; 4] = [
@@ -52,8 +52,8 @@ const FANUC: [&str; 6] = [
     "UFRAME is relative to the world frame of the controller. On most arms, its origin lies on axis J1 at the height",
     "of axis J2, not at the foot of the robot: subtract the height of that origin in the base frame from each Z.",
     "Enter the values by hand: MENU, SETUP, Frames, User Frame, DETAIL, METHOD, Direct Entry.",
-    "A spot is the frame of the TCP in the user frame on which the operation happens; the configuration of the",
-    "joints is not part of the frame.",
+    "A spot is the frame of the TCP in the user frame of the equipment on which the operation happens; the",
+    "configuration of the joints is not part of the frame.",
 ];
 
 /// Returns the file of a controller. All characters are ASCII.

@@ -42,7 +42,7 @@ pub struct SpotFrame {
 }
 
 impl LayoutFrames {
-    /// Collects the frames of a drawn layout.
+    /// Collects the frames of the layout in `drawing`.
     pub fn new(drawing: &Drawing<'_>) -> Self {
         let cell = drawing.cell;
         let placed = cell.equipment.iter().zip(&drawing.layout.placements);

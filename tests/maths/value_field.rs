@@ -137,7 +137,7 @@ fn operations_without_a_value_field_state_the_reason() {
     ];
     let direction = Some("its error depends on the direction of a node from the robot base");
     let expected = [
-        Some("each layout already ranks its nodes by a lower bound of their error"),
+        Some("the search already ranks the nodes of each layout by a lower bound of their error"),
         Some("it happens at every node, so no node can be left out"),
         direction,
         Some("the first joint does not rotate the arm about the z axis of the robot base"),

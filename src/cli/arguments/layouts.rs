@@ -101,7 +101,7 @@ pub struct RobustArguments {
     pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
-    /// Print the answer as JSON on stdout
+    /// Print the analysis as JSON on stdout
     #[arg(long)]
     pub json: bool,
 }

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 /// Flags of the commands that compare predicted errors with measured positions.
 #[derive(Args)]
 pub struct MeasuredFlags {
-    /// Compare the predicted errors with the measured positions of this table (CSV or text, or .csv.gz);
-    /// can be given several times
+    /// Compare predicted errors with measured errors; this table (CSV or text, or .csv.gz) states the
+    /// measured positions; can be given several times
     #[arg(long, value_name = "FILE")]
     pub measured: Vec<PathBuf>,
     /// Read the joint coordinates of the measured positions from this table; rows are matched by a
@@ -19,8 +19,8 @@ pub struct MeasuredFlags {
     /// 1); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
-    /// Group measured poses whose commanded positions differ from the first of the group by at most this
-    /// length per axis [default: 1]
+    /// Group measured poses into spots: the commanded positions of a spot differ from its first one by at
+    /// most this length per axis [default: 1]
     #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
     pub spot: Option<f64>,
 }

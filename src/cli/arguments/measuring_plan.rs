@@ -30,8 +30,8 @@ pub struct MeasuringPlanFlags {
         conflicts_with = "poses"
     )]
     pub choose: Option<u64>,
-    /// Choose the rows that best determine the position errors at the operations of this cell [default: the
-    /// rows that best determine the position errors at the postures of all rows]
+    /// Let --choose select the rows that best determine the position errors at the operations of this cell
+    /// [default: the rows that best determine the position errors at the postures of all rows]
     #[arg(long = "for", value_name = "CELL", requires = "choose")]
     pub task: Option<PathBuf>,
     /// State the position of the tracker in the world frame, mm; only poses at which the tracker sees the

@@ -87,10 +87,11 @@ pub enum Command {
     /// Show the error calculation of one posture step by step
     #[command(before_help = "Example: sweetspot explain cells/hitachi_paper.toml --at 5,4")]
     Explain(ExplainArguments),
-    /// Compare all readings (signed, worst case, statistical) and registrations of the layout as drawn
+    /// Compare the error of the layout as drawn under all readings (signed, worst case, statistical) and all
+    /// registrations
     #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
     Readings(ReadingsArguments),
-    /// Analyse the sensitivity to misplaced equipment, and report how much misplacement is allowed
+    /// Analyse how misplaced equipment affects the error, and report how much misplacement is allowed
     #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
     Robust(RobustArguments),
     /// Export a layout: PDF, CAD drawing, 3-D scene, table, picture, or frames for controllers and ROS
@@ -102,8 +103,8 @@ pub enum Command {
     /// Guess the tolerances of a robot from its data sheet, and predict its pose accuracy (ISO 9283)
     #[command(before_help = "Example: sweetspot errors ur5e --preset collaborative --ap 0.5 --rp 0.03")]
     Errors(ErrorsArguments),
-    /// Correct a programme: find the joint and pose commands that bring the tool to its targets despite known
-    /// errors
+    /// Correct a robot program: find the joint and pose commands with which the TCP reaches its targets
+    /// despite known errors
     #[command(before_help = "Example: sweetspot correct cells/hitachi_cell.toml --errors table-2")]
     Correct(CorrectArguments),
     /// List the built-in robots
@@ -130,8 +131,7 @@ pub enum Command {
     /// Draw the figures of the paper on which sweetspot is based (the seed paper) for your own cells
     #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
     Figures(FiguresArguments),
-    /// Write a first cell for your own robot (a URDF) or for a built-in robot, commented and ready to
-    /// run
+    /// Write a commented first cell, ready to run, for your own robot (a URDF) or a built-in robot
     #[command(before_help = "Example: sweetspot init my_robot.urdf")]
     Init(InitArguments),
     /// Print the manual page of a command, or write all manual pages

@@ -26,11 +26,12 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Assume that everything is placed exactly, and ignore placement tolerances. Use 0 for a clearance or a
-    /// margin that the cell file leaves out, instead of the usual value
+    /// Assume that everything is placed exactly, and ignore placement tolerances. A clearance or a margin
+    /// that the cell file does not state is then 0
     #[arg(long)]
     pub ideal: bool,
-    /// Minimize the worst case over the placement tolerances instead of the value at the nominal placements
+    /// Minimize a proven upper bound of the error over the placement tolerances, instead of the error at the
+    /// exact placements
     #[arg(long)]
     pub robust: bool,
     /// Find the Pareto front of two or more goals: error, clearance, joint-limits, singularity, travel,
@@ -62,7 +63,7 @@ pub struct SearchArguments {
         conflicts_with_all = ["resume", "time", "checkpoint", "progress"]
     )]
     pub islands: Option<u16>,
-    /// Process the islands in this folder together with any number of other workers; CELL and --islands
+    /// Process the islands in this folder as one of several workers (sweetspot processes); CELL and --islands
     /// are needed only if the folder has no plan yet
     #[arg(
         long,
@@ -79,8 +80,8 @@ pub struct SearchArguments {
     /// Number of threads; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub threads: Option<u16>,
-    /// Write the result to this new folder; with --islands, the folder may already contain the same islands
-    /// [default: results/CELL-NNN]
+    /// Write the result to this new folder; with --islands, the folder may already contain islands of this
+    /// search [default: results/CELL-NNN]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Resume the search or the islands that were stopped in this folder

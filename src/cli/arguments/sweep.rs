@@ -63,8 +63,8 @@ pub struct SweepArguments {
     /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim
     #[arg(long, requires = "out", conflicts_with_all = ["only", "claim", "on", "json"])]
     pub plan_only: bool,
-    /// Work on the sweep in this folder together with any number of other workers; CELL and --set are needed
-    /// only if the folder has no plan yet
+    /// Process the sweep in this folder as one of several workers (sweetspot processes); CELL and --set are
+    /// needed only if the folder has no plan yet
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume"])]
     pub claim: Option<PathBuf>,
     #[command(flatten)]

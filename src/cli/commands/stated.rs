@@ -111,7 +111,9 @@ pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedR
 pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -> Result<Exit, Exit> {
     if a.data.len() > 1 || !a.test.is_empty() || a.joints.is_some() {
         output::error(&format!("{} states a calibration: give no other file with it", path_word(path)));
-        output::talk("  help: give either tables of measured positions, or one stated calibration");
+        output::talk(
+            "  help: give either tables of measured positions, or one file that states a calibration",
+        );
         return Err(Exit::BadInput);
     }
     let of_a_fit = [
@@ -124,7 +126,9 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
         ("--svg", a.svg.is_some()),
     ];
     for (option, _) in of_a_fit.iter().filter(|(_, is_given)| *is_given) {
-        output::talk(&format!("note: {option} is ignored: a stated calibration has no positions to fit"));
+        output::talk(&format!(
+            "note: {option} is ignored: a file that states a calibration has no positions to fit"
+        ));
     }
     let (errors, source) =
         if is_urdf(path) { of_urdf(robot, path)? } else { of_universal_robots(robot, path)? };
@@ -176,7 +180,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors are those of the joint origins and of the tip link; the error of the tip link is stated as an error of the tool",
+        "note: {}: the errors are the differences from the nominal URDF in the joint origins and the tip link; the difference of the tip link is stated as an error of the tool",
         path_word(path)
     ));
     Ok((errors, source))
@@ -201,7 +205,11 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
             shown(&robot.name),
             chain.axes()
         );
-        return Err(refuse(vec![Fault::of_file(&file, message, "give the robot of the calibration")]));
+        return Err(refuse(vec![Fault::of_file(
+            &file,
+            message,
+            "give the robot to which the calibration belongs",
+        )]));
     }
     match stated {
         StatedCalibration::Frames { frames, hash } => {
@@ -240,7 +248,7 @@ fn refuse_other_arm(robot: &Robot, chain: &Chain, frames: &[Pose], path: &Path) 
                 rounded(deg_from_rad(turn), 1),
                 shown(&robot.name)
             ));
-            output::talk("  help: give the robot of the calibration: see `sweetspot robots`");
+            output::talk("  help: give the robot to which the calibration belongs: see `sweetspot robots`");
             return Err(Exit::BadInput);
         }
     }

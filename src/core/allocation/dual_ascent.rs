@@ -79,8 +79,8 @@ impl PricedScales {
 ///
 /// Each round maximizes the dual (ascent), and then adds the constraints that the scales violate. The first
 /// ascents are coarse. Fine ascents end when the largest derivative of the dual is at most `FINE * gap`. The
-/// function ends early after `MAX_ROUNDS` rounds. It also ends early if the scales of a fine ascent violate
-/// no further constraint.
+/// function ends early after `MAX_ROUNDS` rounds. It also ends early if a fine ascent finds no further
+/// constraint to add.
 ///
 /// At the end, all scales are divided once by the largest figure if this figure exceeds 1. A figure can still
 /// exceed its limit, because fixed errors and scales at their lower bounds do not decrease. The relative

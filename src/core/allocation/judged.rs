@@ -50,7 +50,7 @@ pub struct JudgedAllocation {
     pub allocation: ToleranceAllocation,
     /// Judged figure of every requirement.
     pub judged: Vec<f64>,
-    /// Index of the round that gave this allocation; the first round has the index 0.
+    /// Index, counted from 0, of the round that gave this allocation. Each round solves one linear problem.
     pub rounds: usize,
     /// Largest relative excess of a judged figure over its limit, for the scales of the first round. This
     /// excess measures the error of the linear problem.

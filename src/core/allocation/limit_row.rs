@@ -122,10 +122,10 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least Lagrange multiplier of this constraint whose scales satisfy the constraint. The
-    /// scales of a multiplier minimize the Lagrangian, which is a sum. The terms are the costs, the linear
-    /// prices `p`, the quadratic prices `q`, and this constraint times its multiplier. Newton's method within
-    /// a bracket finds the multiplier.
+    /// Returns the least Lagrange multiplier of this constraint at which the scales satisfy the constraint.
+    /// These scales minimize the Lagrangian, which is a sum. The terms are the costs, the linear prices `p`,
+    /// the quadratic prices `q`, and this constraint times its multiplier. Newton's method within a bracket
+    /// finds the multiplier.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

@@ -12,9 +12,10 @@ use nalgebra::Vector6;
 pub enum LinearFigure {
     /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.
     WorstCase {
-        /// Number of vector components that count, from the first component on. The others are ignored.
+        /// Number of components that count in each error vector, beginning with the first component. All
+        /// other components are ignored.
         rows: usize,
-        /// Error at the present tolerance of each parameter, `g_k`.
+        /// Error that each parameter causes at its present tolerance, `g_k`.
         generators: Vec<Vector6<f64>>,
         /// Errors that no tolerance changes, `f_j`.
         fixed: Vec<Vector6<f64>>,

@@ -7,25 +7,31 @@
 //! minimize    sum_k c_k(u_k)
 //! such that   F_i(u) <= X_i   for every requirement i,   low_k <= u_k <= high_k
 //!
-//! worst case  F_i(u) = max over all signs s of |f + sum_k s_k g_ik u_k|   (zonotope, `farthest`)
-//! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
+//! worst case  F_i(u) = max over all signs s of |sum_j s_j f_ij + sum_k s_k g_ik u_k|  (zonotope, `farthest`)
+//! statistics  F_i(u) = sqrt(f_i^2 + sum_k w_ik u_k^2)                                 (root sum square)
 //! ```
 //!
 //! The figure `F_i(u)` of requirement i is the error of one operation at one node, and `X_i` is its limit.
+//! The vector `g_ik` (generator) is the error that parameter k causes at its tolerance `t0_k`. The number
+//! `w_ik` is the contribution of this tolerance to the square of the figure. No tolerance changes the errors
+//! `f_ij` and the number `f_i`.
+//!
 //! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one
 //! second-order cone. A worst case is one second-order cone for each sign pattern. In one axis, it is a
 //! single linear inequality. In a plane, the patterns depend only on the directions of the generators, so n
-//! generators have at most n patterns. Cutting planes (`ConeCut`) add only the patterns that bind. The exact
-//! worst case of a solution gives the pattern with which this solution violates a limit. A requirement adds
-//! cuts only while a solution violates it. So requirements at many nodes take little computing time.
+//! generators have at most n patterns. The cutting-plane method adds only the constraints (`ConeCut`) of
+//! the patterns that bind. The exact worst case of a solution gives the pattern with which this solution
+//! violates a limit. A requirement adds cuts only while a solution violates it. So requirements at many
+//! nodes take little computing time.
 //!
 //! For continuous costs, Newton's method solves the dual problem, which has only a few variables
-//! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the grades
-//! are discrete. In the second case, Newton's method does not close the duality gap. The cones of the costs
-//! are second-order, power and exponential cones. Newton's method and the cone programs give dual vectors,
-//! which give a lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). This bound
-//! holds whatever the accuracy of the solver, so the duality gap is proven. Discrete grades are chosen by
-//! branch and bound over the relaxation (`grade_choice`).
+//! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the
+//! grades are discrete. In the second case, Newton's method does not close the duality gap. In a cone
+//! program, each continuous cost becomes a second-order, power or exponential cone. Newton's method and the
+//! cone programs give dual vectors, which give a lower bound of the cost in closed form
+//! ([`ToleranceAllocation::lower_bound`]). This bound holds whatever the accuracy of the solver, so the
+//! duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
+//! (`grade_choice`).
 //!
 //! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution
 //! by the full model. The function adapts the linear requirements until the judged figures are within the

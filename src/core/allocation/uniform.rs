@@ -7,9 +7,9 @@ use super::problem::ToleranceProblem;
 const BISECTIONS: usize = 60;
 
 /// Returns the common scale of uniform tightening, and the scale of every tolerance. The scale of a tolerance
-/// is the common scale, clamped to the range of its cost model. If the cost model has grades, the scale is
-/// the largest scale of a grade up to the common scale. If all grades have greater scales, the scale is that
-/// of the tightest grade.
+/// is the common scale, clamped to the range of its cost model. A cost model with grades uses the
+/// loosest grade whose scale is at most the common scale. If all grades have greater scales, the scale is
+/// that of the tightest grade.
 ///
 /// Returns None if a figure exceeds its limit even at the tightest tolerances.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {

@@ -73,8 +73,8 @@ impl<'a> CellAllocation<'a> {
     /// operations have no requirements.
     ///
     /// # Errors
-    /// Returns the reason if there is no requirement, no tolerance or no usable node, or if the errors are
-    /// not tolerances.
+    /// Returns the reason if there is no requirement, no tolerance or no usable node. Also returns the reason
+    /// if the errors would displace the TCP by more than the reach of the arm.
     pub fn new(
         workcell: &'a Workcell,
         layout: &'a Layout,
@@ -109,8 +109,8 @@ impl<'a> CellAllocation<'a> {
             return Err(NoAllocation::Question { why: which.into(), help });
         }
         if parameters.is_empty() {
-            let why = "no parameter has a tolerance that can be chosen".into();
-            let help = "choose an error set of tolerances with --errors; the tolerances of measured and correlated errors cannot be chosen";
+            let why = "no parameter has a tolerance to allocate".into();
+            let help = "choose an error set of tolerances with --errors; measured and correlated errors have no tolerances to allocate";
             return Err(NoAllocation::Question { why, help });
         }
         let cheapest = nodes == AllocatedNodes::Cheapest;

@@ -12,7 +12,7 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Returns a comparison of layouts; the first column is the reference.
+    /// Returns a comparison of layouts, one layout in each column. The first layout is the reference.
     ///
     /// # Errors
     /// Returns the reason if the layouts cannot be compared.
@@ -38,9 +38,9 @@ impl<'a> Comparison<'a> {
         Self { columns: columns.into() }
     }
 
-    /// Returns the relative change of an error from the first column to `column`, in percent.
+    /// Returns the relative change of an error from the first layout to the layout in `column`, in percent.
     ///
-    /// Returns None for the first column itself, if either error is missing, or if the first error is zero.
+    /// Returns None for the first layout itself, if either error is missing, or if the first error is zero.
     pub fn change_percent(
         &self,
         column: usize,

@@ -39,7 +39,7 @@ pub struct EnvelopeQuery<'a> {
     /// Heights of the horizontal sections, m. If the list is empty, one section is at the height of the
     /// greatest reach.
     pub heights: Vec<f64>,
-    /// Distance between sampled points, m. If it is None, the distance that [`step_of`] returns applies.
+    /// Distance between sampled points, m. If it is None, [`step_of`] determines the distance.
     pub step: Option<f64>,
 }
 

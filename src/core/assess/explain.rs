@@ -29,7 +29,7 @@ pub struct DhRow {
 pub struct ParameterEffect {
     pub source: ErrorSource,
     pub motions: Vec<ParameterMotion>,
-    /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
+    /// Value of the parameter in the signed sample or at the worst corner of the tolerance box, m or rad.
     pub value: f64,
     /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration is ignored. If the
     /// operation places a picked part, the effect at the pick is also ignored.

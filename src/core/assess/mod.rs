@@ -93,8 +93,8 @@ pub struct Assessment<'a> {
     ///
     /// None if [`Self::with_regions`] was not called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
-    /// Layout without overlaps near [`Self::layout`]; None if nothing overlaps, or if no such layout was
-    /// found.
+    /// Layout near [`Self::layout`] in which nothing overlaps. None if nothing overlaps in [`Self::layout`]
+    /// itself, or if no such layout was found.
     pub apart: Option<Layout>,
 }
 
@@ -337,8 +337,8 @@ impl Requirement {
         self.known && self.margin >= 0.0
     }
 
-    /// Returns whether only an upper bound over the misplacements exceeds the limit. The layout as drawn is
-    /// within the limit, and a misplaced layout may be.
+    /// Returns whether the layout as drawn is within the limit, but the limit is not proven for all
+    /// misplacements.
     pub fn is_unproven(self) -> bool {
         !self.is_met() && self.drawn >= 0.0
     }

@@ -34,7 +34,7 @@ pub struct Remedies<'a> {
 }
 
 impl<'a> Remedies<'a> {
-    /// Compares the remedies; `columns` is in the order of [`Remedy::ALL`].
+    /// Compares the remedies; `columns` holds one layout for each, in the order of [`Remedy::ALL`].
     pub fn new(columns: [Assessment<'a>; 4]) -> Self {
         Self { columns }
     }
@@ -55,8 +55,8 @@ impl<'a> Remedies<'a> {
         }
     }
 
-    /// Returns the objective of a remedy: a value in m or rad, a share, or a cost. Returns None if its layout is
-    /// not feasible.
+    /// Returns the objective of a remedy: a value in m or rad, a share, or a cost. Returns None if its
+    /// layout is not feasible.
     pub fn objective(&self, remedy: Remedy) -> Option<f64> {
         self.layout(remedy).evaluation.objective
     }
@@ -68,7 +68,8 @@ impl<'a> Remedies<'a> {
         Some(1.0 - self.objective(remedy)? / drawn)
     }
 
-    /// Returns whether an operation has a limit that the objective does not already contain.
+    /// Returns whether an operation has a limit and the objective is an error. Any other objective (share of
+    /// failures or cost of tolerances) already depends on the limits.
     pub fn has_limits(&self) -> bool {
         let [drawn, ..] = &self.columns;
         drawn.cell.unit().is_error() && drawn.cell.operations.iter().any(|o| o.limit.is_some())

@@ -115,7 +115,7 @@ impl<'a> Fit<'a> {
             // positions well enough.
             return self.solved(sessions, false);
         }
-        Err(format!("the fit has not converged after {STEPS} steps with fixed variances"))
+        Err(format!("the fit of the parameters has not converged after {STEPS} steps"))
     }
 
     /// Takes a Levenberg-Marquardt step, and returns the largest change of an unknown, in prior standard

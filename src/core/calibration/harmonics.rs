@@ -24,7 +24,8 @@ use nalgebra::DMatrix;
 /// Weight of the expectation `f_j = 1`, as a number of determined coefficients.
 const WEIGHT_OF_EXPECTATION: f64 = 20.0;
 
-/// Returns the harmonics of every revolute joint up to an order, as unknowns of a calibration.
+/// Returns the harmonics (periodic errors) of every revolute joint, as unknowns of a calibration. The
+/// harmonics have the orders 1 to `orders`.
 pub fn harmonics(chain: &Chain, orders: usize) -> Vec<Unknown> {
     let turning = (0..chain.axes()).filter(|&j| chain.links[j].kind == JointKind::Revolute);
     let of_joint = |joint| {

@@ -43,9 +43,10 @@ impl PlanProblem {
     /// Chooses `count` candidates that leave the least expected error at the task, the most informative
     /// first.
     ///
-    /// The first choice is greedy. Then at most `PASSES` passes exchange each pose for a better candidate
-    /// if there is one (Fedorov 1972). `progress` receives the number of finished steps and the largest
-    /// possible number of steps. Returns None if there are fewer than `count` candidates.
+    /// A greedy method first adds one candidate after another. Then at most `PASSES` passes exchange each
+    /// pose for a better candidate if there is one (Fedorov 1972). `progress` receives the number of
+    /// finished steps and the largest possible number of steps. Returns None if there are fewer than `count`
+    /// candidates.
     pub fn best(&self, count: usize, progress: &mut dyn FnMut(usize, usize)) -> Option<Vec<usize>> {
         if count > self.candidates() {
             return None;

@@ -94,7 +94,8 @@ pub struct PlanProblem {
 }
 
 impl PlanProblem {
-    /// Prepares the choice among `candidates` for the postures of a task.
+    /// Prepares the choice among `candidates`. The chosen poses are to reduce the expected error at the
+    /// postures `task`.
     pub fn new(intended: &IntendedCalibration<'_>, candidates: &[JointVector], task: &[JointVector]) -> Self {
         let slopes: Vec<_> = candidates.iter().map(|q| intended.slopes(q, &intended.reflector)).collect();
         let registered = registered(&slopes, intended.unknowns.len());

@@ -18,7 +18,7 @@ pub struct MeasuredPosition {
     pub reflector: usize,
     /// Position of the reflector in the frame of the instrument, m.
     pub position: Vector3<f64>,
-    /// Orientation of the target in the frame of the instrument, if it was measured.
+    /// Orientation of the tool in the frame of the instrument; None if it was not measured.
     pub rotation: Option<Matrix3<f64>>,
     /// Stated standard deviation of the position per axis, m.
     pub sigma: Option<f64>,

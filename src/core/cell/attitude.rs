@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! d = cos(elevation) h + sin(elevation) z          the tool axis
-//! w = -sin(elevation) h + cos(elevation) z         upright: perpendicular to d in the same plane
+//! w = -sin(elevation) h + cos(elevation) z         perpendicular to d in the plane of h and z
 //! r = cos(spin) w + sin(spin) (d x w)              the reference axis of the tool
 //! ```
 //!

@@ -50,7 +50,10 @@ impl Cell {
         cell
     }
 
-    /// Returns the cost model of a parameter of the chosen error set or of equipment.
+    /// Returns the cost model of an error parameter of the robot or of equipment.
+    ///
+    /// For a parameter of the robot, the chosen error set states the model. If no model is stated, the result
+    /// is the default model.
     pub fn tolerance_cost(&self, parameter: Parameter) -> ToleranceCost {
         let stated = match parameter {
             Parameter::Equipment(e, c) => self.equipment.get(e).and_then(|e| e.error_costs.get(c)),
@@ -84,8 +87,8 @@ impl Cell {
 
     /// Returns this cell with other start values (m or rad) in the given slots.
     ///
-    /// If `frees` is true, a fixed coordinate that gets another value becomes the range from the old value to
-    /// the new one.
+    /// If `frees` is true, a fixed coordinate that gets another value becomes free. The range of this
+    /// coordinate is then the interval between the old and the new value.
     pub fn starting_at(&self, values: impl Iterator<Item = (Slot, f64)>, frees: bool) -> Cell {
         let mut cell = self.clone();
         for (slot, value) in values {
@@ -102,7 +105,7 @@ impl Cell {
     /// A search can thus start from the result of an earlier search, in which all coordinates are fixed.
     ///
     /// A coordinate becomes free only if its value lies in its range in `wide`. The cell stays unchanged if
-    /// the names of equipment or operations in `wide` differ.
+    /// the names of its equipment or operations differ from the names in `wide`.
     pub fn with_ranges_of(mut self, wide: &Cell) -> Cell {
         let same = |a: &Cell, b: &Cell| {
             a.equipment.iter().map(|e| &e.name).eq(b.equipment.iter().map(|e| &e.name))
@@ -151,8 +154,8 @@ impl Cell {
 impl Coordinate {
     /// Returns this coordinate with another start value.
     ///
-    /// If `frees` is true, a fixed coordinate that gets another value becomes the range from the old value to
-    /// the new one.
+    /// If `frees` is true, a fixed coordinate that gets another value becomes free. The range of this
+    /// coordinate is then the interval between the old and the new value.
     fn starting_at(&self, value: f64, frees: bool) -> Coordinate {
         match self {
             Coordinate::Fixed(was) if frees && *was != value => {

@@ -228,9 +228,9 @@ pub struct SearchSettings {
     pub objective: Objective,
     /// Relative difference up to which two objectives count as equally good.
     ///
-    /// The lexicographic objective divides values into steps of this relative width. In the last phase of a
-    /// search, the objective may grow by this share. It may also grow by this share within the region of a
-    /// piece.
+    /// The lexicographic objective divides values into steps of this relative width. The last phase of a
+    /// search selects a layout with much room. The objective of this layout may exceed the least objective by
+    /// this share. The objective may also grow by this share within the region of a piece.
     pub indifference: f64,
     /// Resolution of the layout: the coordinates that a search finds are multiples of this resolution.
     pub resolution: Resolution,

@@ -41,7 +41,7 @@ pub enum Parameter {
     /// ([`crate::robot::lever`]). The first index is the joint, and the second index is the link.
     ///
     /// The deflection grows with the posture-dependent lever. The parameter is the compliance of the joint
-    /// times the weight at the end of the link and beyond.
+    /// times a weight. This weight is that of all masses at the end of the link or after it in the chain.
     Elastic(usize, usize),
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
     /// joint carries ([`crate::robot::gravity_torque`]).
@@ -49,8 +49,8 @@ pub enum Parameter {
     /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); the
     /// factor 1 gives the full error. The number is the index of the joint.
     Periodic(usize),
-    /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
-    /// frame.
+    /// Component of the error of the frame of a piece of equipment, in the axes of that frame.
+    /// The first index is the equipment, and the second index is the component.
     Equipment(usize, usize),
 }
 
@@ -99,7 +99,9 @@ impl Parameter {
         }
     }
 
-    /// Returns the index of the joint that an elastic parameter deflects; 0 for any other parameter.
+    /// Returns the index of the joint that an elastic parameter deflects.
+    ///
+    /// For any other parameter, the result is 0 and has no meaning.
     pub const fn deflected_joint(self) -> usize {
         match self {
             Self::Elastic(joint, _) | Self::Compliance(joint) | Self::Periodic(joint) => joint,
@@ -372,7 +374,7 @@ impl ErrorSet {
     }
 }
 
-/// Errors of the placement or fixture of a piece of equipment, in the frame of the equipment.
+/// Errors of the frame of a piece of equipment, in the axes of that frame (m, rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameErrors {
     Signed([f64; PER_FRAME]),

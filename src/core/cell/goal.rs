@@ -10,15 +10,17 @@ pub const MAX_KEPT: usize = 100;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// Error, minimized: objective that combines the values of the operations, in m, rad, a share or a cost.
+    /// Error, minimized: objective that combines the values of the operations. The objective is a length in
+    /// m, an angle in rad, a share of failures or a cost.
     Error,
     /// Clearance, m, maximized: least distance between the robot and other objects at the operations, or
     /// between floor spaces.
     Clearance,
-    /// Joint limits, maximized: least distance of a joint from its nearer limit. The distance is a share of
-    /// half the range of the joint.
+    /// Distance from joint limits, maximized: least distance of a joint from its nearer limit. The distance
+    /// is a share of half the range of the joint.
     JointLimits,
-    /// Singularity, maximized: least singular value of the Jacobian, with lengths divided by the arm reach.
+    /// Distance from singular postures, maximized: least singular value of the Jacobian, with lengths divided
+    /// by the arm reach.
     Singularity,
     /// Travel, rad, minimized: joint travel from operation to operation.
     Travel,

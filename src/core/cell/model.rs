@@ -111,7 +111,7 @@ pub struct Equipment {
     /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this
     /// equipment.
     pub placement: [Coordinate; 4],
-    /// Errors of the placement or fixture, in the equipment's frame (m, rad).
+    /// Errors of the equipment's frame, in the axes of that frame (m, rad); None without errors.
     pub errors: Option<FrameErrors>,
     /// Cost models of the six components of `errors`; empty if every component has the default model.
     pub error_costs: Vec<ToleranceCost>,
@@ -211,8 +211,8 @@ pub struct Operation {
     pub limit: Option<f64>,
     /// Index of the earlier operation that picks the part which this operation places; None without a pick.
     ///
-    /// The operation is then judged by the error of the placed part, in which errors common to pick and place
-    /// cancel.
+    /// An operation with a pick is judged by the error of the placed part. Errors common to pick and place
+    /// cancel in this error.
     pub relative_to: Option<usize>,
     /// Points (x, y) at which the frame of the surface is taught, in the nominal frame of the surface, m.
     ///

@@ -18,9 +18,9 @@ impl Cell {
         }
     }
 
-    /// Returns the pedestal of the highest base that the cell allows.
+    /// Returns the pedestal of the base at the greatest height that the cell allows.
     ///
-    /// The collision check uses this pedestal also for every lower base. If the base is not at its greatest
+    /// The collision check uses this pedestal at every height of the base. If the base is not at its greatest
     /// height, the lower end of this pedestal is below the floor.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)

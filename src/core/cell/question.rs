@@ -19,11 +19,11 @@ pub struct Interpretation {
     /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Sense in which every operation is measured; None if each operation keeps its own sense.
+    /// Sense (error component) that every operation gets; None if each operation keeps its own sense.
     pub sense: Option<Sense>,
 }
 
-/// Part of the interpretation that a fault concerns.
+/// Subject of a [`QuestionFault`]: the reading, a setting of the search, a limit or a sense.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
@@ -92,9 +92,10 @@ impl Cell {
         self.asked_but_for(interpretation, |_| false)
     }
 
-    /// Returns a copy of this cell with another interpretation, for uses that do not combine operations.
+    /// Returns a copy of this cell with another interpretation of its errors. The senses of the operations
+    /// may have different units.
     ///
-    /// The values of the operations are not added up, so their senses may have different units.
+    /// The caller must use the copy only for values of single operations, and must not add up these values.
     ///
     /// # Errors
     /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.

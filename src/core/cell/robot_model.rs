@@ -67,13 +67,14 @@ pub struct Joint {
     pub alpha: f64,
     /// Lower and upper limit of the actuator coordinate, rad or m.
     ///
-    /// Both limits are 0 for a passive joint, which has no actuator and moves through the coupling alone.
+    /// Both limits are 0 for a passive joint. A passive joint has no actuator. Other joints move it through
+    /// [`Robot::coupling`].
     pub limits: (f64, f64),
     pub rates: RateLimits,
 }
 
 impl Joint {
-    /// Returns whether the joint has no actuator and moves through the coupling alone.
+    /// Returns whether the joint has no actuator. Other joints move such a joint through [`Robot::coupling`].
     pub fn is_passive(&self) -> bool {
         self.limits.0 == self.limits.1
     }

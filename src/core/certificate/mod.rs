@@ -70,11 +70,12 @@ impl From<NoEnclosure> for NotCertified {
 }
 
 impl NotCertified {
-    /// Returns the reason as a clause about the operation, with the names that the cell gives to its parts.
+    /// Returns the reason as a clause about the operation. The clause uses the names of joints and solids in
+    /// the cell.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::NoSpot => "it has no spot".into(),
-            Self::NoBranch => "its posture does not exist at the target".into(),
+            Self::NoBranch => "the chosen branch has no posture that reaches the target".into(),
             Self::NoTask => "no method bounds the joint coordinates of this arm in this attitude".into(),
             Self::NearlySingular => "the posture is too near to a singular posture".into(),
             Self::JointLimit { joint, by } => {
@@ -84,7 +85,7 @@ impl NotCertified {
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
                 format!(
-                    "joint {} could go {by:.2} {unit} beyond its limit, reduced by the margin",
+                    "joint {} could exceed its limit, less the margin, by {by:.2} {unit}",
                     shown(&joint.name)
                 )
             }

@@ -240,11 +240,12 @@ impl FloorPlan {
         pairs
     }
 
-    /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out.
+    /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out. An
+    /// overlap of a piece of equipment with a piece that carries it is also left out.
     ///
-    /// Each piece of equipment is checked against the later pieces in the cell, the robot base, the keep-out
-    /// boxes, the floor and the fence. The robot base is checked against the fence. Obstacles may reach into
-    /// keep-out boxes and beyond the fence.
+    /// Each piece of equipment is checked against every other piece, the robot base, the keep-out boxes, the
+    /// floor and the fence. The robot base is checked against the fence. Obstacles may reach into keep-out
+    /// boxes and beyond the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
         found.clear();
         if !self.enabled {

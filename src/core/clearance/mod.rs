@@ -3,7 +3,7 @@
 //! - Broad phase: axis-aligned bounding boxes (`placed_solids`) and bounding capsules of the links
 //!   (`bounding_capsule`).
 //! - Narrow phase: closed forms for capsules against boxes, triangles and each other
-//!   (`bounding_capsule`); parry3d for the pairs that the closed forms leave unclear (`scene`).
+//!   (`bounding_capsule`); parry3d for the pairs that the closed forms cannot decide (`scene`).
 //! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
 //! parry3d runs in f64 here, so no margin for single precision is needed. To keep a clearance, the robot's

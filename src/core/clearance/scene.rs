@@ -1,7 +1,7 @@
 //! Collision checking in three dimensions: the robot against equipment, fence, floor and itself.
 //!
 //! Broad phase: bounding boxes and bounding capsules. Narrow phase: closed forms for capsules, then parry3d
-//! for the pairs that the closed forms leave unclear.
+//! for the pairs that the closed forms cannot decide.
 
 use super::arm_part::ArmPart;
 use super::bodies::{CollisionBody, EquipmentSolid, intersecting, parry_pose, part, touching, vector};
@@ -149,8 +149,8 @@ impl Scene {
 
     /// Returns whether the given part of the arm touches nothing.
     ///
-    /// The whole arm touches nothing if neither the part before the last joint nor the part after it touches
-    /// anything.
+    /// The whole arm touches nothing if its two parts, before and after the last joint, touch nothing. A
+    /// contact between the two parts counts for the part after the last joint only.
     pub fn is_part_free(
         &self,
         part: ArmPart,
@@ -200,7 +200,8 @@ impl Scene {
         there.find_map(|(k, (link, capsule))| Some((k, self.first_hit(link, capsule, poses, bodies)?)))
     }
 
-    /// Returns the first self-collision of the robot that involves a solid of `part`.
+    /// Returns the first self-collision of the robot in which the solid farther along the chain belongs to
+    /// `part`.
     fn own_hit(
         &self,
         part: ArmPart,

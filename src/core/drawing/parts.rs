@@ -7,7 +7,7 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Vector3;
 
-/// Kind of object that a part belongs to.
+/// Kind of the object that a drawn solid belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PartKind {
     Robot,
@@ -193,7 +193,7 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
 /// Returns the walls of the fence as boxes. Each box is given by the pose of its centre in the world frame
 /// and by its edge lengths, m.
 ///
-/// A wall is 10 mm thick. If the fence has no height, its walls are also 10 mm high.
+/// Each wall is 10 mm thick. If the fence has no height, each wall is 10 mm high.
 pub fn fence_walls(cell: &Cell) -> Vec<(Pose, Vector3<f64>)> {
     let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
     let height = height.unwrap_or(WALL);

@@ -291,7 +291,8 @@ impl PlacedLayout<'_> {
     /// None if no bound is known.
     ///
     /// # Errors
-    /// Returns the reason if the spot is certainly not certified.
+    /// Returns the reason if no bounds on the joint coordinates within the joint limits are found. The other
+    /// conditions of a certificate are not checked.
     pub fn most(
         &self,
         operation: usize,

@@ -3,7 +3,7 @@
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
-/// Data that the certificates of all postures of a layout share.
+/// Data for the certificates of a layout; the data do not depend on the posture.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,

@@ -74,8 +74,8 @@ impl UnreachedNodes {
 impl PlacedLayout<'_> {
     /// Finds the spot of an operation, and computes the value of the operation.
     ///
-    /// For an operation at every node, the value combines the values of all nodes, and the spot is the
-    /// worst node.
+    /// If the operation happens at every node, the value combines the values of all nodes, and the spot is
+    /// the worst node.
     ///
     /// `spots` holds the spots of the earlier operations.
     pub fn outcome(
@@ -94,8 +94,8 @@ impl PlacedLayout<'_> {
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// Combines the values of all nodes. The spot is the worst node, or the first of several equally bad
-    /// nodes.
+    /// Combines the values of all nodes. The spot in the returned outcome is the worst node, or the first of
+    /// several equally bad nodes.
     pub fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
         let Some(worst) = free.iter().rev().max_by(by_value) else {

@@ -11,8 +11,8 @@ impl PlacedLayout<'_> {
     /// Calls `take` for each usable node until `take` returns false. The argument of `take` is the node with
     /// its best usable posture.
     ///
-    /// The nodes come in ascending order of the values at sampled postures. Each spot is then refined along
-    /// its redundant coordinates, which can decrease its value.
+    /// The nodes come in ascending order of the least value among their usable sampled postures. Before each
+    /// call, this posture is refined along its redundant coordinates. The refinement can decrease the value.
     pub fn free_spots(
         &self,
         operation: usize,

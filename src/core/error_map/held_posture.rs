@@ -15,16 +15,18 @@ pub struct PointSpot {
 /// Point and posture that are kept while the layout changes a little.
 ///
 /// Closed-form inverse kinematics finds the posture again by its branch index. If the inverse kinematics has
-/// no such indices (see [`Inverse::keeps_branches`]), its solver starts at the kept joint coordinates. The
-/// tool then rotates with the surface.
+/// no such indices (see [`Inverse::keeps_branches`]), its solver starts at the kept joint coordinates. If
+/// the arm has six or more joints, this solver rotates the tool about the vertical together with
+/// [`Self::heading`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Heading at the point: a direction in the base frame, rad ([`Inverse::heading`]). If the heading
-    /// rotates, the tool rotates equally.
+    /// Reference azimuth at the point, in the base frame, rad ([`Inverse::heading`]). If the azimuth of the
+    /// tool is radial, it is the direction from the base axis to the point. Otherwise, it is fixed in the
+    /// surface.
     pub heading: f64,
 }
 

@@ -61,10 +61,10 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
-    /// Replaces the posture that the map shows at the node of each spot in `chosen` by the posture of this
-    /// spot.
+    /// Replaces postures in a map. The node of each spot in `chosen` receives the posture of this spot.
     ///
-    /// The certified posture of a node need not be its least-error posture.
+    /// A spot need not have the least-error posture of its node, for example if a search requires a
+    /// certificate.
     pub fn show(&self, map: &mut OperationMap, spots: &[Option<Spot>], chosen: &[Spot]) {
         let query = OperationQuery::new(self, map.operation, spots);
         let Ok(context) = &query.context else { return };

@@ -76,7 +76,8 @@ impl Mapper {
         Ok(Self { arm, scene, setups, guard, rankers, fields, ranks: true, shells, tolerances })
     }
 
-    /// Returns the cost of the tightest tolerances; 0 if the search ignores the cost of tolerances.
+    /// Returns the cost of the tightest tolerances that the cost models allow. Returns 0 if the search
+    /// ignores the cost of tolerances.
     pub fn most_cost(&self) -> f64 {
         self.tolerances.as_ref().map_or(0.0, |tolerances| tolerances.most())
     }

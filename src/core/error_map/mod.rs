@@ -1,8 +1,8 @@
 //! Error map (section 3 of the seed paper): the error at every node of a work surface, and the node with the
 //! least error.
 //!
-//! The seed paper is the journal paper from which this project grew. A [`PlacedLayout`] is the context: a
-//! layout of a cell with its solids posed. Only `walk.rs` loops over the nodes of a surface. Several
+//! The seed paper is the journal paper from which this project grew. A [`PlacedLayout`] is a layout of a
+//! cell together with its posed solids. Only `walk.rs` loops over the nodes of a surface. Several
 //! functions use this loop:
 //!
 //! - [`PlacedLayout::outcome`], for the search: the usable spot with the least error, or the combined value

@@ -194,11 +194,11 @@ pub struct OperationMap {
     pub nodes: Vec<NodeRecord>,
     /// Index of the node shown as the spot: the usable node with the least value. None if no node is usable.
     ///
-    /// For an operation at every node, this is the node with the greatest value, or None if any node is
-    /// unusable.
+    /// If the operation happens at every node, this is the node with the greatest value. In this case, the
+    /// index is None if any node is unusable.
     pub best: Option<usize>,
-    /// Value of the operation: the value of its spot, or the combined value of all nodes for an operation at
-    /// every node. None if there is no spot.
+    /// Value of the operation: the value of its spot. If the operation happens at every node, this is the
+    /// combined value of all nodes. None if there is no spot.
     pub value: Option<f64>,
 }
 

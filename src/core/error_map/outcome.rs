@@ -42,7 +42,7 @@ pub enum Outcome {
     },
     /// No node has a posture that stays within the joint limits and meets the attitude.
     ///
-    /// For an operation at every node, this result means that at least one node has no such posture.
+    /// If the operation happens at every node, this result means that at least one node has no such posture.
     Unreachable {
         gap: Gap,
     },

@@ -52,7 +52,8 @@ impl PostureOrder {
 }
 
 impl Mapper {
-    /// Returns the order in which a search judges the postures of an operation in an attitude.
+    /// Returns the order in which a search judges the postures of an operation. The operation requires the
+    /// attitude `attitude`.
     pub fn posture_order(&self, operation: usize, attitude: &Attitude) -> PostureOrder {
         let attitudes = self.arm.inverse.tool_attitudes(attitude, 0.0);
         let ranker =

@@ -53,8 +53,8 @@ impl Ticks {
 }
 
 impl ValueField {
-    /// Creates a table without postures for a range of elevations (rad) and for ranges of height and radius,
-    /// m. `step` is the largest length of a table cell, m.
+    /// Creates a table for a range of elevations (rad) and for ranges of height and radius, m. All bounds are
+    /// infinite until [`Self::note`] lowers them. `step` is the largest length of a table cell, m.
     pub fn new(elevation: (f64, f64), height: (f64, f64), radius: (f64, f64), step: f64) -> Self {
         let (height, radius) = (Ticks::new(height, step), Ticks::new(radius, step));
         let bounds = vec![f64::INFINITY; height.count * radius.count];

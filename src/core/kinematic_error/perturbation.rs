@@ -29,7 +29,8 @@ impl Turn {
 /// Errors of one link: the four errors of eq. (4) of the seed paper, and dbeta. The error dbeta is a
 /// rotation about the y axis after the link.
 ///
-/// The values of dtheta and dr include the joint coupling.
+/// The errors dtheta (revolute joint) and dr (prismatic joint) include the errors that the joint coupling
+/// transmits from other actuators.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkError {
     pub dtheta: Turn,

@@ -62,12 +62,11 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
     }
 }
 
-/// Returns the rotation of a joint that one unit of an elastic parameter causes. The field
-/// [`ScrewMotion::factor`] of the result is an upper bound of the size of this rotation in every posture.
-/// Returns None for any other parameter.
+/// Returns the rotation by which an elastic parameter deflects a joint. Returns None for any other parameter.
 ///
-/// A lever is at most as long as its link. A torque is at most the sum of all weights times their largest
-/// distances from the joint.
+/// In every posture, one unit of the parameter rotates the joint by at most [`ScrewMotion::factor`] of the
+/// result. A lever is at most as long as its link. Each weight adds to the torque at most the product of this
+/// weight and its largest distance from the joint.
 pub fn largest_deflection(
     chain: &Chain,
     frames: &Frames,

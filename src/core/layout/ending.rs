@@ -7,8 +7,8 @@ use crate::error_map::Status;
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 
-/// Reason why a layout whose operations keep their spots is infeasible, misses a limit or has too large an
-/// objective.
+/// Reason why a layout is infeasible, misses a limit or has too large an objective. The operations of this
+/// layout keep the spots of another layout ([`super::HeldLayout`]).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The objective exceeds the largest objective that is allowed.

@@ -28,7 +28,7 @@ impl Workcell {
     ///
     /// This weight is the sum of the operations' weights for a weighted sum, and the largest weight for a
     /// weighted maximum. The weight is 1 for a lexicographic objective. If the objective is the cost of
-    /// tolerances, the weight is the cost of the tightest tolerances.
+    /// tolerances, the weight is the cost of the tightest tolerances that the cost models allow.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {
@@ -39,7 +39,8 @@ impl Workcell {
         }
     }
 
-    /// Returns the cost of the tightest tolerances; 0 if the search ignores the cost of tolerances.
+    /// Returns the cost of the tightest tolerances that the cost models allow. Returns 0 if the search
+    /// ignores the cost of tolerances.
     pub fn tightest_cost(&self) -> f64 {
         self.mapper.most_cost()
     }

@@ -108,11 +108,11 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each listed coordinate, per m or rad. A derivative is None if
-    /// the arm cannot reach one of the two points of the central difference.
+    /// Coordinates of the layout, each with the derivative of the value with respect to it, per m or rad. A
+    /// derivative is None if the arm cannot reach one of the two points of the central difference.
     ///
-    /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
-    /// other coordinate in `tolerance`.
+    /// Joint limits are ignored. The coordinates are x, y, z and yaw of the equipment, and every other
+    /// coordinate in `tolerance`.
     pub gradient: Vec<(Slot, Option<f64>)>,
     /// Largest allowed multiple of the placement tolerances; None if the cell has no placement tolerances.
     pub scale: Option<Largest>,

@@ -62,7 +62,8 @@ impl Workcell {
     /// single operations, not for an objective that combines them.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does. Senses with different units are no error here.
+    /// Returns the reason as [`Workcell::interpreted`] does. The senses of the operations may have
+    /// different units.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell

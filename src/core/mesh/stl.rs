@@ -38,8 +38,8 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     ))
 }
 
-/// Returns a binary STL file of triangles. Its coordinates are in the unit of the vertices, in single
-/// precision.
+/// Returns a binary STL file of triangles. The coordinates in the file are in the unit of `vertices`, in
+/// single precision.
 ///
 /// # Errors
 /// Returns the message of the STL writer if the writer fails. The writer writes to memory, so no failure is

@@ -31,8 +31,8 @@ pub struct PathHit {
 /// the equipment deviates from its placement.
 #[derive(Default)]
 pub struct PathSlack<'a> {
-    /// Largest deviation of each D-H coordinate at each knot of the path, rad or m. The list is empty if the
-    /// robot does not deviate from the path.
+    /// Largest deviation of each D-H coordinate at each knot (joint vector) of the path, rad or m. The list
+    /// is empty if the robot does not deviate from the path.
     ///
     /// The deviation during a move is at most the larger of the deviations at the two ends of the move.
     pub joints: &'a [JointVector],

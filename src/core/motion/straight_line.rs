@@ -48,9 +48,9 @@ pub enum Stopped {
 /// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Returns the reason why the arm cannot follow the whole line. Every [`Stopped`] contains a length `after`
-/// from the start of the line. In [`Stopped::Lost`], the arm can follow the line up to this length. In
-/// [`Stopped::Limit`], the move that ends at this length takes a joint beyond its limit.
+/// Returns the reason why the arm cannot follow the whole line. In every [`Stopped`], `after` is a length
+/// along the line, measured from the start of the line. In [`Stopped::Lost`], the arm can follow the line up
+/// to this length. In [`Stopped::Limit`], the move that ends at this length takes a joint beyond its limit.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,

@@ -35,7 +35,8 @@
 //!
 //! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
 //! operations. A weighted sum of values is at least the weighted sum of their bounds. A weighted maximum of
-//! values is at least the largest weighted bound. An operation without a bound counts as 0.
+//! values is at least the largest weighted bound. If no bound is known for the value of an operation, 0 is
+//! used as the bound of this value.
 
 mod base_rows;
 mod branch_and_bound;
@@ -144,7 +145,7 @@ impl WhyNot {
             Self::Share => "its value is a share of failures, which has no lower bound above 0",
             Self::Cost => "the cost of its tolerances has no known bound",
             Self::Boxes => {
-                "no bound above 0 was found within the allowed number of boxes of joint coordinates"
+                "branch and bound found no bound above 0 within the allowed number of boxes (ranges of the joints)"
             }
             Self::Mean => "its nonlinear worst case about measured means has no known bound",
             Self::Refuted => {
@@ -161,8 +162,10 @@ pub struct OperationBound {
     pub value: Result<f64, WhyNot>,
     /// Number of boxes of joint coordinates that were examined.
     pub boxes: u64,
-    /// Least value found in the relaxed problem, with the joint coordinates of the posture that gives this
-    /// value.
+    /// Least value found, with the joint coordinates of the posture that gives this value.
+    ///
+    /// The posture stays within the joint limits. It also stays within the ranges of height, tool elevation
+    /// and distance from the robot base over all layouts. Collisions do not count.
     pub witness: Option<(f64, JointVector)>,
 }
 

@@ -72,7 +72,7 @@ pub fn rank_nodes(workcell: &Workcell, stop: &AtomicBool) {
     });
 }
 
-/// Returns the reason why an operation has no value field; None if [`rank_nodes`] computes one.
+/// Returns the reason why an operation has no value field; None if [`value_fields`] can compute its fields.
 pub fn why_no_field(workcell: &Workcell, operation: usize) -> Option<&'static str> {
     regions(workcell, operation).iter().find_map(|region| prepared(workcell, region).err())
 }
@@ -82,7 +82,8 @@ fn regions(workcell: &Workcell, operation: usize) -> Vec<OperationRegion> {
     OperationRegion::all(&workcell.cell, operation, workcell.inverse().fixed_elevation())
 }
 
-/// Computes the value fields of an operation, one for each listed height of its equipment.
+/// Computes the value fields of an operation. If the cell lists several heights of the equipment under the
+/// operation, there is one field per height. Otherwise there is a single field.
 ///
 /// Once `stop` is set, the function returns early. The fields must then not be used.
 ///
@@ -103,7 +104,7 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let order = workcell.posture_orders().nth(region.operation);
     match order {
         Some(PostureOrder::RankedNodes) => {
-            return Err("each layout already ranks its nodes by a lower bound of their error");
+            return Err("the search already ranks the nodes of each layout by a lower bound of their error");
         }
         _ if operation.over.needs_every_node() => {
             return Err("it happens at every node, so no node can be left out");

@@ -167,9 +167,9 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Returns a message if the size is out of range or the picture cannot be encoded. The function also returns
-/// a message if the drawing lacks the operation, or the combination of model and reading, that `shot`
-/// selects.
+/// Returns a message if the size is out of range or the picture cannot be encoded. `shot` selects an
+/// operation, and a combination of model and reading. The function also returns a message if the drawing
+/// lacks one of the two.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

@@ -54,12 +54,12 @@ struct SampleLine<'a> {
 }
 
 impl Inverse {
-    /// Calls `found` with a usable branch in each narrow range of a redundant coordinate that contains no
-    /// sample.
+    /// Searches between the samples of a redundant coordinate for narrow ranges with usable branches. Calls
+    /// `found` with the index of one usable branch in each range.
     ///
-    /// The coordinate is the redundant joint, or else a free spin by several joints. Ranges that are narrower
-    /// than a thirty-second of the distance between two samples may be missed. Arms whose branches do not keep
-    /// their indices are not searched.
+    /// The coordinate is the redundant joint. If the arm has none, the coordinate is a free spin that several
+    /// joints produce together. Ranges that are narrower than a thirty-second of the distance between two
+    /// samples may be missed. Arms whose branches do not keep their indices are not searched.
     pub fn visit_narrow_ranges(
         &self,
         target: &Vector3<f64>,

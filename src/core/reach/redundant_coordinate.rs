@@ -30,7 +30,7 @@ pub enum RedundantCoordinate {
     Spin,
 }
 
-/// Position of a branch on the samples of its redundant coordinates.
+/// Position of a branch on or between the samples of its redundant coordinates.
 ///
 /// Two branches with the same `family` differ only in their redundant coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,8 @@ impl Inverse {
     }
 
     /// Returns the index of the branch in the middle between two branches of the same family
-    /// ([`SamplePosition::family`]). The result is between them on the shorter way of a free spin.
+    /// ([`SamplePosition::family`]). If the spin is free, the result has the spin in the middle of the
+    /// shorter arc between the two spins.
     pub fn between(&self, from: u64, to: u64, attitudes: &ToolAttitudes) -> u64 {
         let [a, b] = [from, to].map(|branch| self.sample_position(branch, attitudes));
         let turn = b.spin - a.spin;
@@ -124,7 +125,7 @@ impl Inverse {
         })
     }
 
-    /// Returns where a branch lies on the samples of its redundant coordinates.
+    /// Returns the position of a branch on or between the samples of its redundant coordinates.
     pub fn sample_position(&self, branch: u64, attitudes: &ToolAttitudes) -> SamplePosition {
         let (set, attitude) = (&attitudes.set, self.attitude_of(branch));
         let (mut family, mut position) = (without_spin_step(branch), (0.0, 0.0, 0.0));
@@ -151,8 +152,8 @@ impl Inverse {
     /// Returns the posture of a branch whose spin lies between two sampled spins.
     ///
     /// # Errors
-    /// If no solution has this index, returns the distance, m, by which the target is out of reach, or a lower
-    /// bound of it; 0 if other solutions exist.
+    /// If no solution has this index, returns the distance, m, by which the target is out of reach, or a
+    /// lower bound of it; 0 if other solutions exist.
     pub(super) fn posture_between_spins(
         &self,
         target: &Vector3<f64>,

@@ -134,8 +134,8 @@ impl RefinedSolver {
 
     /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// A solution has the branch index of its start posture, or an unused index if another solution has this
-    /// index.
+    /// Newton's method starts at the solutions of the simplified chain. A refined solution keeps the branch
+    /// index of its start. If another solution already has this index, the function takes an unused index.
     ///
     /// Returns the distance by which the target is out of reach of the simplified chain, m; 0 if there is a
     /// solution.

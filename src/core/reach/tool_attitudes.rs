@@ -11,7 +11,7 @@ pub struct PlanarAttitude {
     pub sin_phi: f64,
     /// Horizontal component, in the plane of the arm, of the vector from the wrist to the TCP, m.
     ///
-    /// The field `v` is the component of the same vector perpendicular to `u` in this plane, m.
+    /// In the plane of the arm, the field `v` holds this vector's component perpendicular to `u`, m.
     pub u: f64,
     pub v: f64,
     /// Cosine of the tool's elevation; negative if the tool points opposite to the azimuth theta_1.
@@ -31,7 +31,7 @@ pub struct ToolAttitudes {
 }
 
 impl ToolAttitudes {
-    /// Returns cosine and sine of the rotation of the tool about its axis from the first spin to each spin.
+    /// Returns one entry per spin: cosine and sine of the angle from the first spin to this spin.
     pub fn spin_rotations(&self) -> &[(f64, f64)] {
         &self.set.spin_rotations
     }

@@ -13,7 +13,7 @@ use crate::cell::MAX_JOINTS;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix6, Vector3};
 
-/// Largest number of rows: three of the position and three of the rotation.
+/// Largest number of rows of a [`ToolTask`]: three for the position and three for the rotation.
 pub const MAX_ROWS: usize = 6;
 
 /// One controlled component of the rotation of the tool.
@@ -28,14 +28,15 @@ pub enum RotationRow {
 /// Controlled components of the TCP motion at one posture: its position, and some components of its rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolTask {
-    /// Number of rows of the square system; it equals the number of active joints.
+    /// Number of rows: linear equations for the joint rates, one per controlled component. This number equals
+    /// the number of active joints.
     pub rows: usize,
     /// Indices of the joints that follow the target; the other joints do not move. Only the first `rows`
     /// entries count.
     pub active: [usize; MAX_ROWS],
     /// Controlled components of the rotation.
     ///
-    /// The number of an entry is the required rate of its component if the reference azimuth
+    /// Each entry holds a component and its required rate. This rate applies if the reference azimuth
     /// ([`Inverse::heading`]) rotates at 1 rad/s. Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the reference azimuth ([`Inverse::heading`]) is the direction from the base axis to the

@@ -22,8 +22,8 @@ impl ErrorPropagation<'_> {
     /// Computes the first-order effects of the error sources on the TCP at a posture. The effects are
     /// relative to the equipment on which the robot works.
     ///
-    /// If the operation places a picked part, the effects at the pick are rotated with the part and
-    /// subtracted.
+    /// If the operation places a picked part, the function subtracts the effects at the pick. Before that, it
+    /// rotates these effects as the part rotates from the pick to this posture.
     pub fn effects(
         &self,
         context: &WorkContext,

@@ -180,9 +180,8 @@ impl ErrorEvaluator {
         ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
     }
 
-    /// Returns the pick of a part at the posture with the link frames `frames`.
-    ///
-    /// The result includes the first-order effects of the error sources at this posture.
+    /// Computes the first-order effects of the error sources at the posture of a pick. Returns them with the
+    /// work frame `site` and the link frames `frames` of this posture.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);

@@ -108,8 +108,8 @@ impl MonteCarlo {
     /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
     /// If a figure or the yield disagrees, the estimates replace all statistical figures in `figures`. The
-    /// estimated yield replaces `success`. The estimate of `quantity` replaces `value`; for a yield, the
-    /// estimated share of failures replaces it.
+    /// estimated yield replaces `success`. The estimate of `quantity` replaces `value`. If `quantity` is a
+    /// yield, the estimated share of failures replaces `value`.
     pub fn check(
         &self,
         quantity: Quantity,
@@ -288,8 +288,8 @@ impl SampledPosture<'_> {
 /// Statist. Assoc. 22, 1927.
 ///
 /// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
-/// has a positive width even if the estimated share is 0 or 1. An interval from the scatter of the replicates
-/// would then have no width.
+/// has a positive width even if the estimated share is 0 or 1. An interval computed from the scatter of
+/// repeated estimates would then have no width.
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

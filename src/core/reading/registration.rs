@@ -135,8 +135,8 @@ pub struct Taught {
 }
 
 impl Taught {
-    /// Prepares a taught frame; if `mean` is true, the frame includes the mean error of the second-order
-    /// terms.
+    /// Prepares a taught frame. The second-order terms cause a mean error. If `mean` is true,
+    /// [`Self::effects`] also holds the part of this error that the frame removes.
     pub fn new(chain: &Chain, sources: &ErrorSources, postures: [Frames; 3], mean: bool) -> Self {
         let mut taught = Self { postures, effects: Effects::default() };
         let mut expansion = sources.expansion(chain);

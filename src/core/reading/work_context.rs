@@ -40,7 +40,7 @@ pub struct WorkContext {
 impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
-    /// The rule of teaching determines which error remains at a touched point. No error remains at the
+    /// The taught frame removes all or a part of the error at a touched point. No error remains at the
     /// origin. An error along the x axis remains at the second point, and an error in the xy plane at the
     /// third. These errors do not represent the errors on the surface outside the touched points.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {

@@ -13,8 +13,8 @@ pub struct WorstCase {
     /// Whether `linear` is the exact maximum. If the sense of the operation measures more than three
     /// components of the error and there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Largest error that the local search finds with the chosen model; equal to `linear` for the linear
-    /// model.
+    /// Largest error by the chosen model that a local search over the corners of the tolerance box finds. For
+    /// the linear model, this value equals `linear`.
     pub by_model: f64,
     /// Sign of every source at the corner of the tolerance box where the largest error was found.
     pub corner: [f64; MAX_SOURCES],

@@ -8,8 +8,8 @@ use crate::layout::Workcell;
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.
     pub fine_mm: f64,
-    /// Least number of coarse-lattice spacings along the longer side of the searched rectangle. If the fine
-    /// lattice has fewer spacings, the coarse lattice equals the fine lattice.
+    /// Least number of spacings of the coarse lattice, along the longer side of the rectangle in which the
+    /// region is traced. If the fine lattice has fewer spacings, the coarse lattice equals the fine lattice.
     pub divisions: f64,
     /// Step of a scan of the yaw, degrees.
     pub scan_deg: f64,

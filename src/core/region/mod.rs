@@ -71,7 +71,7 @@ impl RoomEnd {
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Range => "the range of the search".into(),
-            Self::Window => "only the edge of the examined window".into(),
+            Self::Window => "only the end of the range that was examined".into(),
             Self::Held(ending) => ending.in_words(cell),
         }
     }

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// Tolerance for the rounding error of a coordinate, m and rad.
 const ROUNDING: f64 = 1e-9;
 
-/// Least and greatest angle of the rotation about the base axis, rad.
+/// Least and greatest angle, rad, by which the pieces may be rotated together about the base axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeTurn {
     pub least: f64,

@@ -20,8 +20,8 @@ impl PeriodicDeflection {
         Self { joint: error.joint, zero: (theta.cos(), theta.sin()), terms }
     }
 
-    /// Returns the error of the joint, rad, at a posture. The argument `frames` holds the mount, then the D-H
-    /// frame after every link.
+    /// Returns the error of the joint, rad, at a posture. The argument `frames` holds D-H frame 0, then the
+    /// D-H frame after every link.
     pub fn at(&self, frames: &[Pose]) -> f64 {
         let (before, after) = (&frames[self.joint].rotation, &frames[self.joint + 1].rotation);
         // The x axis after a Denavit-Hartenberg row is the x axis before the row, rotated by theta.

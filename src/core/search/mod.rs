@@ -15,8 +15,8 @@
 //!
 //! A search without Pareto goals ends with a further phase. This phase selects a layout with much room among
 //! the layouts with nearly the least objective. The [room](crate::region::estimated_room) is the largest
-//! distance by which any one piece may be displaced in every direction. The phase evaluates layouts in
-//! addition to the budget; their number is at most a quarter of the budget.
+//! distance by which any one piece may be displaced in every direction. The evaluations of this phase do not
+//! count towards the budget. Their number is at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
 
@@ -112,7 +112,7 @@ impl SearchRecord {
 pub struct SearchJob<'a> {
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
-    /// Checkpoint of an interrupted search that [`Checkpoint::check`] has accepted.
+    /// Checkpoint from which the search continues. [`Checkpoint::check`] must have accepted it.
     pub from: Option<&'a Checkpoint>,
     /// Function that receives the state of the search.
     pub keep: Keep<'a>,

@@ -79,8 +79,11 @@ pub struct Stopping {
     pub gap: Option<f64>,
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
-    /// Number of consecutive evaluations without improvement after which the polish begins. An improvement
-    /// counts if the cost falls by more than 1e-6 of the cost at the last counted improvement.
+    /// Number of consecutive evaluations without improvement after which the global solver stops. A
+    /// Nelder-Mead polish of the best layout follows.
+    ///
+    /// An improvement counts if it lowers the cost by more than a share of 1e-6. The share refers to the cost
+    /// at the last improvement that counted.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///
@@ -94,7 +97,8 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Returns the stopping rules of search settings, with a proven lower bound (m or rad) if there is one.
+    /// Returns the stopping rules that the search settings state. `bound` is the proven lower bound of the
+    /// objective, m or rad; None if no bound is known.
     pub fn new(settings: &SearchSettings, bound: Option<f64>) -> Self {
         let SearchSettings { budget, gap, stagnation, pareto, keep, .. } = *settings;
         Self { budget, gap, bound, stagnation, pareto, keep }
@@ -106,7 +110,7 @@ impl Stopping {
         self.budget - (self.budget as f64 * share) as u64
     }
 
-    /// Returns the largest number of evaluations for the polish.
+    /// Returns the largest number of evaluations for the Nelder-Mead polish of the best layout.
     pub fn polish(&self) -> u64 {
         let rest = self.budget - self.exploration();
         if self.keeps_more() { (rest as f64 * POLISH_PART) as u64 } else { rest }

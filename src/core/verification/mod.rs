@@ -8,11 +8,14 @@
 //!
 //! ```text
 //! measured    m_i = p_i - n_i
-//! predicted   d_i = e_i - M e       e_i = position error of the mean errors, M e = part that the fit absorbs
+//! predicted   d_i = e_i - M e
 //! covariance  C_i = (J_i - F_i K) C (J_i - F_i K)^T + s_i^2 I
 //! ```
 //!
-//! Here C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of
+//! Here `e_i` is the position error that the mean errors of the parameters cause. The fit absorbs the part
+//! `M e` of this position error, where `e` lists the errors of all positions.
+//!
+//! C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of
 //! the fitted base and reflectors on position i. The matrix K maps errors of the parameters to the changes of
 //! base and reflectors by which the fit absorbs them. The standard deviation of the measurement is `s_i`.
 

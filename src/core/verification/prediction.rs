@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 
 /// Errors of the robot of a cell, as the cell interprets them: a mean, and random deviations from it.
 ///
-/// A signed sample (errors with known signs) is a mean without deviations. Tolerances are random deviations about 0, as in the
-/// statistical reading. Measured errors have both.
+/// A signed sample (errors with known signs) is a mean without deviations. Tolerances are random deviations
+/// about 0, as in the statistical reading. Measured errors have both.
 pub struct PredictedErrors {
     chain: Chain,
     model: Model,

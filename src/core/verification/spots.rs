@@ -18,7 +18,7 @@ pub struct MeasuredSpot {
     pub predicted: f64,
 }
 
-/// Ranking of the spots of one session.
+/// Ranking of the spots of one session by their errors. A spot is a commanded position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpotRanking {
     /// Spots in the order of their first poses.

@@ -31,7 +31,7 @@ key_table! {
     search, "search settings", "Settings of the search for a layout.", {
         SOLVER = word::<Solver>("solver", "Global solver that searches for the best layout.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "Objective: how the weighted errors of the operations are combined into one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
-        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into steps of this relative width. If two layouts have the value of an operation in the same step, the next operation decides.").default(Literal::Number(1.0));
+        INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into steps of this relative width. If the values of an operation in two layouts are in the same step, the next operation decides.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Largest number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives identical results.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
@@ -78,10 +78,10 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys `on`, `grid`, `bend_deg` and `sense`");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height, or in plan along a side of one of them. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
+        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height, or in plan, measured parallel to a side of one of them. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world frame.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
-        TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");
+        TRANSFER = table("transfer", &transfer::TABLE, "Check for collisions during the motions between operations, and between the listed points of an operation.");
         FENCE = table("fence", &fence::TABLE, "Fence around the equipment and the robot base.");
         SEARCH = table("search", &search::TABLE, "Settings of the search for a layout.");
         TITLE_BLOCK = table("title_block", &title_block::TABLE, "Title block of the drawings that `export` makes (ISO 7200).");

@@ -16,8 +16,8 @@ key_table! {
 }
 
 key_table! {
-    transfer, "transfer rules", "Check of the motions from operation to operation, and from point to point, for collision.", {
-        CHECK = boolean("check", true, "Whether the motions from operation to operation, and from point to point, are checked for collision.");
+    transfer, "transfer rules", "Check for collisions during the motions between operations, and between the listed points of an operation.", {
+        CHECK = boolean("check", true, "Whether the motions between operations, and between the listed points of an operation, are checked for collision.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
         VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, UNBOUNDED), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
         CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked.");

@@ -133,7 +133,7 @@ key_table! {
 
 key_table! {
     distribution, "`distribution`", "Distributions of the plus-or-minus values of the D-H rows and the frames.", {
-        DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
+        DEFAULT = word::<Distribution>("default", "Distribution of the errors for which this table has no key.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one word for each joint.");
         DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one word for each joint.");
         DL = Key::new("dl", BY_JOINT, "Distribution of dl_mm: one word, or a list with one word for each joint.");

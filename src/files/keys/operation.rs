@@ -72,7 +72,7 @@ key_table! {
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");
         RELATIVE_TO = text("relative_to", "Earlier operation that picks the part placed here. Errors common to both operations cancel.").example("\"picking\"");
-        TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach the surface frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
+        TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that the robot touches to teach the surface frame, if the registration is \"taught\".").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retract along the tool axis.");
         DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Duration of the operation at its spot, or at every listed point, with the robot at rest. The duration is part of the cycle time.");

@@ -90,7 +90,8 @@ pub const fn from(example: &'static str) -> Key {
 
 /// Returns the key `schema`, which states the kind of the file.
 pub const fn schema(name: &'static str) -> Key {
-    Key::new("schema", ValueKind::Exactly(name), "Kind of file and its version.").default(Literal::Word(name))
+    Key::new("schema", ValueKind::Exactly(name), "Kind of the file, and version of its format.")
+        .default(Literal::Word(name))
 }
 
 key_table! {

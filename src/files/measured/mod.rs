@@ -48,8 +48,8 @@ pub struct MeasuredTable {
 }
 
 impl MeasuredTable {
-    /// Returns the table for an arm with `axes` joints. Joint k of the present table becomes joint `places[k]`.
-    /// All other joints get the coordinate 0 and an empty column name.
+    /// Returns the table for an arm with `axes` joints. Joint k of the present table becomes joint
+    /// `places[k]`. All other joints get the coordinate 0 and an empty column name.
     pub fn with_joints_at(mut self, places: &[usize], axes: usize) -> Self {
         for row in &mut self.rows {
             let joints = std::mem::take(&mut row.numbers.joints);
@@ -66,7 +66,7 @@ impl MeasuredTable {
 /// Largest number of columns of a table.
 const MAX_COLUMNS: usize = 100_000;
 
-/// Second table, which holds the joint coordinates of the postures.
+/// Table of the joint coordinates of the postures, separate from the table of positions.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTable<'t> {
     pub file: &'t str,
@@ -75,8 +75,8 @@ pub struct JointTable<'t> {
 
 /// Reads a table of measured positions of an arm whose joints have the given names.
 ///
-/// `columns` names the columns that the reader must not guess. `joint_table` holds the joints if the table of
-/// positions has none.
+/// `columns` states the columns of some quantities; the reader finds the other columns itself. `joint_table`
+/// holds the joints if the table of positions has none.
 ///
 /// # Errors
 ///

@@ -42,8 +42,8 @@ impl StatedUnit {
         }
     }
 
-    /// Returns the unit in which the reader of tables gives lengths of this unit. Centimetres and micrometres
-    /// become millimetres.
+    /// Returns the unit to which the table reader converts lengths that are stated in this unit. Centimetres
+    /// and micrometres become millimetres.
     pub fn of_table(self) -> Self {
         match self {
             Self::Centimetre | Self::Micrometre => Self::Millimetre,

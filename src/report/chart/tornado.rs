@@ -15,8 +15,8 @@ use crate::units::{percent_from_share, rounded};
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 
-/// Draws the share of each parameter in the worst case or in the variance, the largest first. Each bar is
-/// labelled with the gain of halving the tolerance.
+/// Draws the share of each parameter in the worst case or in the variance, the largest first. Text beside the
+/// longest bars states how much the error figure decreases if the tolerance of the parameter is halved.
 pub fn tornado(a: &BudgetReport<'_>) -> String {
     let cell = a.context.cell;
     let of = share_of(a);

@@ -186,7 +186,8 @@ pub struct LiveReach {
 #[derive(Serialize)]
 pub struct LiveRegions {
     pub regions: Vec<RegionEntry>,
-    /// Rotation of the whole cell that keeps the layout feasible.
+    /// Angles by which equipment may rotate as one body about the base axis. None if the layout is infeasible
+    /// or misses a limit, or if equipment under an operation does not rotate.
     pub whole_cell: Option<TurnEntry>,
 }
 

@@ -232,7 +232,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         |x: &Requirement, y: &Requirement| x.is_met().cmp(&y.is_met()).then(x.margin.total_cmp(&y.margin));
     let tightest = all.min_by(|(_, x), (_, y)| order(x, y));
     let Some((k, r)) = tightest else {
-        let note = "no operation of the cell has a limit that applies to the objective".to_string();
+        let note = "no operation of the cell has a limit with which its error is compared".to_string();
         return FactEntry {
             label: "Requirement".into(),
             value: None,

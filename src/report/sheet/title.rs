@@ -56,7 +56,8 @@ pub fn layout_name(name: &str) -> String {
     }
 }
 
-/// Returns the kind of a set-out drawing for its title block. A layout that must not be built is marked.
+/// Returns the kind of a set-out drawing for its title block. The text begins with a warning if the layout is
+/// not feasible or misses a limit.
 pub fn kind_of_set_out(drawing: &Drawing<'_>) -> String {
     let mark = match (drawing.is_feasible, drawing.meets_limits) {
         (false, _) => "NOT FEASIBLE, DO NOT BUILD: ",

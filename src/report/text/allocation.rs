@@ -24,7 +24,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
         d.shortfalls.iter().take(MAX_LISTED).for_each(|s| out.push_str(&shortfall(s)));
         let more = d.shortfalls.len().saturating_sub(MAX_LISTED);
         if more > 0 {
-            let _ = writeln!(out, "  and {more} more nodes whose limits cannot be kept");
+            let _ = writeln!(out, "  and {more} more nodes at which the limit cannot be met");
         }
         return out;
     }

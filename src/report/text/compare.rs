@@ -154,7 +154,7 @@ pub fn margin(unit: Unit, r: Requirement) -> String {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
     } else if r.is_unproven() {
         let most = fixed(unit.from_si(r.limit - r.margin), 4);
-        format!("not guaranteed: proven over the misplacements is only at most {most}")
+        format!("not guaranteed: the proven bound over the misplacements is {most}")
     } else {
         format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4))
     }

@@ -7,7 +7,7 @@ use crate::pose_accuracy::ErrorPreset;
 use crate::record::{BaseChoice, ErrorsDocument};
 use std::fmt::Write;
 
-/// Returns the presets with their half widths and sources.
+/// Returns the presets, which are guessed tolerances of classes of arms, with half widths and sources.
 pub fn presets(presets: &[ErrorPreset]) -> String {
     let mut table = TextTable::new(1);
     table.row(["preset", "joint zeros deg", "mm", "lengths mm", "twists deg"]);

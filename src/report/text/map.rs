@@ -146,12 +146,13 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     })
 }
 
-/// Returns the warning that errors are extrapolated; None if every usable node is inside the measured ranges.
+/// Returns the warning that errors are extrapolated outside the joint ranges of the calibration. Returns None
+/// if no usable node has a posture outside these ranges.
 pub fn extrapolation(cell: &Cell, map: &OperationMap) -> Option<String> {
     let found = Extrapolation::of(cell, map)?;
     let joints = found.joints.iter().map(|&joint| shown(&cell.robot.joints[joint].name));
     Some(format!(
-        "the errors of {} of {} usable nodes{} are extrapolated: there, joint coordinates are outside the ranges that the calibration measured: {}",
+        "the errors of {} of {} usable nodes{} are extrapolated: there, joint coordinates are outside the ranges of the measured postures: {}",
         found.nodes,
         found.usable,
         if found.has_spot { ", the spot among them," } else { "" },

@@ -129,8 +129,8 @@ fn amount(unit: Unit, si: f64) -> String {
     }
 }
 
-/// Returns a line for a calibrated arm whose errors compensate each other. The line states why worst case and
-/// statistics do not exist.
+/// Returns a line that states why a signed sample has no worst case and no statistics. Large errors of a
+/// calibrated arm may cancel each other. The magnitudes of such errors are not tolerances.
 pub fn no_tolerances() -> String {
     format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }

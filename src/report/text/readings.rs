@@ -92,7 +92,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
         ];
     }
     vec![format!(
-        "the spot that the signed sample chooses has up to {} times the least value of the {} ({}, {})",
+        "choosing the spot by the signed sample gives at worst {} times the least possible value of the {} ({}, {})",
         fixed(ratio, 2),
         row.quantity_name(),
         shown(&r.cell.operations[k].name),

@@ -51,7 +51,11 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
         lines.push(format!("NOT feasible at {}: {}", moves(cell, &lost.moves), lost.status.reason(cell)));
     }
     if r.lost.len() > MAX_LOST_SHOWN {
-        lines.push(format!("NOT feasible at {} of {} corners in all", r.lost.len(), r.corners));
+        lines.push(format!(
+            "in total: NOT feasible at {} of {} corners of the placement tolerances",
+            r.lost.len(),
+            r.corners
+        ));
     }
     lines.push(format!("gradient: {}", slopes(cell, r)));
     let has_limit = cell.operations[k].limit.is_some() && cell.unit().is_error();

@@ -4,8 +4,8 @@ use crate::clearance::{Allowed, SelfCollisionPair};
 use crate::files::shown;
 use crate::layout::Workcell;
 
-/// Returns one line: the number of checked pairs and the pairs that may touch. Pairs on the same link or on
-/// neighbouring links are counted but not named.
+/// Returns one line: the number of checked pairs of solids, and the pairs that may touch. Pairs on the same
+/// link or on neighbouring links are counted but not named.
 pub fn self_collision_pairs(workcell: &Workcell) -> String {
     let pairs = workcell.self_collision_pairs();
     if pairs.is_empty() {

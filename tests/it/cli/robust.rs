@@ -125,7 +125,7 @@ fn a_limit_below_the_proven_bound_is_not_guaranteed() {
     let (value, most) = (number(&operation["value"]), number(&operation["worst"]));
     assert!(value < most, "{value} {most}");
     for (share, said) in [
-        (0.5, "not guaranteed: proven over the misplacements is only at most"),
+        (0.5, "not guaranteed: the proven bound over the misplacements is"),
         (-0.1, "MISSED by"),
         (1.1, "to spare"),
     ] {

@@ -239,7 +239,7 @@ fn wrong_calibrations_are_refused_with_their_place() {
         &["ur5e", "c.yaml"],
         "c.yaml",
         &good,
-        &["frame of joint 1 is", "give the robot of the calibration"],
+        &["frame of joint 1 is", "give the robot to which the calibration belongs"],
     );
     refused(&["hitachi_pw10", "d.yaml"], "d.yaml", &good, &["six-axis arm"]);
     refused(&["ur10", "e.yaml"], "e.yaml", &"a:\n".repeat(100_000), &["more than 1000 lines"]);

@@ -141,7 +141,9 @@ impl SharedRun<'_> {
             "{} given up, because {MAX_LOSSES} workers per combination have died: {list}",
             counted(given_up.len(), "combination")
         ));
-        output::talk(&format!("  help: sweetspot {again} processes the rest in one process"));
+        output::talk(&format!(
+            "  help: sweetspot {again} computes the remaining combinations in a single process"
+        ));
         Err(Exit::Limit)
     }
 }

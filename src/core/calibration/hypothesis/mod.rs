@@ -58,9 +58,9 @@ const FITTED: usize = 40;
 ///
 /// Other joint maps and mirrored positions are tried under two conditions. There must be at least 8 rows. The
 /// map [`JointMap::PLAIN`] must leave a root mean square distance of at least 0.1 % of `reach` (m). Another
-/// reading is chosen if its root mean square distance is below two thresholds. The thresholds are a third of
-/// the distance that this map leaves, and 2 % of `reach`. Returns None if the positions do not determine base
-/// and reflector.
+/// reading is chosen if its root mean square distance is below both thresholds. The thresholds are a third of
+/// the distance that [`JointMap::PLAIN`] leaves, and 2 % of `reach`. Returns None if the positions do not
+/// determine base and reflector.
 pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<DataReading> {
     // Repeats of few postures would outweigh the other postures, and fit any hypothesis.
     let raw = distinct(raw);

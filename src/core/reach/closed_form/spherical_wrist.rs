@@ -75,8 +75,8 @@ impl SphericalWrist {
     /// numbered from flange to base.
     ///
     /// Returns the distance (m) from the wrist centre to the nearest point that the first three joints
-    /// reach. Even if this distance is 0, a wrist without right angles may be unable to reach the
-    /// orientation.
+    /// reach. A distance of 0 does not always mean that a solution exists. If alpha_4 or alpha_5 is not a
+    /// right angle, axes 4 to 6 cannot reach every orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.reversed.as_ref(), flange, posture, found, |flange, posture, found| {

@@ -83,7 +83,7 @@ impl ThreeJoints {
         }
         if !self.point.moves_in_space() {
             return Err(
-                "the first three joints cannot move the wrist centre in all directions in any posture".into(),
+                "in every posture, there is a direction in which the first three joints cannot move the wrist centre".into(),
             );
         }
         Ok(())

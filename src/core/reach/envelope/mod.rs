@@ -130,8 +130,11 @@ impl<'a> Envelope<'a> {
     ///
     /// A solver for the full pose of the flange samples a free azimuth and a free spin. The sampled angles
     /// are measured from a fixed direction. For such a solver, more conditions apply unless the azimuth is
-    /// [`Radial`](crate::cell::Azimuth::Radial). The tool must be exactly vertical. In addition, joint 1 must
-    /// have a range of at least one turn, or the last joint alone must reach a sampled spin in every posture.
+    /// [`Radial`](crate::cell::Azimuth::Radial). The tool must be exactly vertical. In addition, one of two
+    /// conditions must hold:
+    ///
+    /// - Joint 1 has a range of at least one turn.
+    /// - In every posture, the last joint alone can rotate the tool to at least one of the sampled spins.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

@@ -137,10 +137,10 @@ impl GeneralSixAxes {
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
     /// reach. All reachable positions of the origin of frame 5 lie inside a sphere. If the pose requires a
-    /// position outside this sphere, the measure is the distance from the sphere. Otherwise, a coarse scan
-    /// evaluates the determinant of the twelve equations of the method. The measure is then the length of the
-    /// arm times the ratio of the least to the greatest absolute determinant. The measure is `f64::MAX` if
-    /// the pose is not finite.
+    /// position outside this sphere, the measure is the distance from the sphere. Otherwise, the measure
+    /// comes from a determinant that depends on one joint angle and is 0 at every solution. A coarse scan of
+    /// this angle samples the determinant. The measure is then the length of the arm times the ratio of the
+    /// least to the greatest absolute determinant. The measure is `f64::MAX` if the pose is not finite.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let target = self.arm.scaled(flange);
         let beyond = self.arm.beyond_reach(&target);

@@ -81,8 +81,10 @@ impl Numeric {
     /// Writes the distinct solutions within the limits to `out`, sorted. If there are none, returns the
     /// reason.
     ///
-    /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
-    /// redundant chain has a continuum of solutions. In this case, `out` holds solutions spread over the
+    /// Coordinates of a joint that differ by whole turns may give the same link poses. `out` then
+    /// holds the coordinate nearest to the middle of the joint's range.
+    ///
+    /// A redundant chain has a continuum of solutions. In this case, `out` holds solutions spread over the
     /// continuum.
     pub fn all(&self, goal: &TcpGoal, out: &mut Vec<NumericSolution>) -> Shortfall {
         out.clear();
