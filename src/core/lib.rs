@@ -2,8 +2,8 @@
 //!
 //! The core does no input or output. The crate `sweetspot` adds files, documents, reports and the command.
 //! The documentation of that crate explains the problem and the flow of data. The core is a separate crate,
-//! so the compiler can optimize the mathematics fully and still compile the code for files and reports
-//! quickly.
+//! so the compiler can optimize it fully. The code for files and reports is optimized less, so it
+//! compiles quickly.
 
 pub mod allocation;
 pub mod assess;

@@ -59,12 +59,12 @@ pub struct AllocationDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationStatus {
-    /// The error model of the cell confirms that the tolerances meet all limits. `duality_gap` compares their
-    /// cost with its lower bound. If the optimized tolerances exceed a limit, the program finally reduces all
-    /// tolerances. This reduction increases the gap.
+    /// The error model of the cell confirms that the final tolerances meet all limits. `duality_gap`
+    /// compares their cost with its lower bound. If the optimized tolerances give a figure above its limit,
+    /// the program afterwards reduces all tolerances. This reduction increases the gap.
     Cheapest,
-    /// The error model of the cell gives a figure above its limit. The program finally reduces all
-    /// tolerances, but the figure still exceeds the limit.
+    /// The error model of the cell gives a figure of the final tolerances above its limit. A reduction of all
+    /// tolerances after the optimization did not lower the figure to the limit.
     Exceeded,
     /// A figure exceeds its limit even at the tightest tolerances.
     Infeasible,

@@ -125,10 +125,9 @@ pub struct IdentifiedParameter {
     pub unit: String,
     /// Standard deviation before the measurement. Null if a file states the parameter.
     pub prior: Option<f64>,
-    /// Standard deviation after the measurement. Null if a file states the parameter without a standard
-    /// deviation.
+    /// Standard deviation after the measurement. Null if a file states the parameter.
     pub sigma: Option<f64>,
-    /// Whether the data reduce the standard deviation to less than half.
+    /// Whether `sigma` is less than half of `prior`. True if a file states the parameter.
     pub identified: bool,
 }
 
@@ -283,8 +282,8 @@ fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
 }
 
 impl CalibrationDocument {
-    /// Returns the document of errors (m and rad) that a file states. The document contains parameters
-    /// without standard deviations, and no sessions.
+    /// Returns the document of errors (m and rad) that a file states. The standard deviations in the document
+    /// are null, and the list of sessions is empty.
     pub fn stated(robot: &Robot, errors: &SignedErrors) -> Self {
         let values = Parameter::of_robot(robot.axes()).zip(errors.values());
         let parameters = values.filter(|(_, value)| *value != 0.0).map(|(parameter, value)| {

@@ -47,8 +47,9 @@ pub struct OperationOrderEntry {
     pub judges: String,
     /// Reason why the search judges every posture; null if the search skips some postures.
     pub why: Option<String>,
-    /// Reason why the operation can have no value field; null if it can have one. A value field excludes
-    /// nodes by lower bounds that hold in every layout.
+    /// Reason why no value field can be computed for the operation; null if one can be computed. A value
+    /// field is a table of lower bounds of the operation's value at a node. The bounds hold in every layout,
+    /// and a search excludes nodes by them.
     #[serde(default)]
     pub why_no_field: Option<String>,
 }

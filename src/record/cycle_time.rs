@@ -48,7 +48,7 @@ pub enum CyclePhaseWord {
     Retract,
     /// Collision-free move to the next operation.
     Transfer,
-    /// Direct move to the next operation, which is not checked for collision.
+    /// Direct move to the next operation; the move is not checked for collision.
     DirectMove,
 }
 

@@ -110,7 +110,7 @@ pub struct TestPoseEntry {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Median, over all robots, of the accuracy at this pose.
+    /// Median, over all simulated robots, of the pose accuracy AP at this pose.
     pub ap_mm: f64,
 }
 
@@ -161,8 +161,8 @@ impl TestCubeEntry {
     }
 }
 
-/// Request for a guessed error set: the origin of its tolerances, the base frame, and the accuracy that the
-/// data sheet states.
+/// Request for a guessed error set. The request states the source of the tolerances and the accuracy of the
+/// data sheet. It also states whether the accuracy refers to a fitted or the nominal base frame.
 pub struct GuessQuestion {
     pub origin: ErrorOrigin,
     pub origin_name: String,

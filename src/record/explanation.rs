@@ -81,13 +81,13 @@ pub struct ExplanationDocument {
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
     /// Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the
-    /// errors of the sample compensate each other. The program assumes that they do if the error of a
+    /// errors of the sample compensate each other. The program assumes such compensation if the error of a
     /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If a certificate is
-    /// required, a known upper bound of this value over all misplacements replaces the value. Null if the
-    /// operation has no limit, or if the quantity is the yield.
+    /// required, the upper bound of the value over all misplacements replaces the value. The value stays if
+    /// no upper bound is known. Null if the operation has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -140,8 +140,8 @@ pub struct FrameEntry {
     pub z_axis: [f64; 3],
 }
 
-/// Effect of one parameter. Motions, lever and effect are in the base frame. The terms `linear_term_mm` and
-/// `linear_term_deg` of the linear model are in the world frame.
+/// Effect of one parameter. Vectors with `base` in their names are in the base frame. The terms
+/// `linear_term_mm` and `linear_term_deg` of the linear model are in the world frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {

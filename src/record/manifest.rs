@@ -48,7 +48,8 @@ pub struct ManifestDocument {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HashedFile {
-    /// Path of an input relative to the folder of the cell file, or of an output inside the result folder.
+    /// Path of the file. The path of an input is relative to the folder of the cell file. The path of an
+    /// output is relative to the result folder.
     pub path: String,
     pub sha256: String,
 }

@@ -44,8 +44,9 @@ pub struct MapDocument<'a> {
     /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance that the
     /// cell requires.
     pub overlaps: Vec<String>,
-    /// Share of arms that stay within the limits of all operations, and of each operation alone. Present if
-    /// the reading is statistical, every operation has a spot, and at least one operation has a limit.
+    /// Overall yield: share of sampled arms that stay within the limits of all operations. The entry also
+    /// states the yield of each operation alone. Present if the reading is statistical, every operation has a
+    /// spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Values that the cell file leaves out and that were assumed.
@@ -117,7 +118,8 @@ pub struct OperationMapEntry<'a> {
     /// has no limit or no value, or if the quantity is the yield.
     pub margin: Option<f64>,
     pub over: NodeAggregation,
-    /// Value of the operation: the value of its best node, or the combined value of all its nodes.
+    /// Value of the operation: the values of its nodes, combined by the rule `over`. The rule `best` gives
+    /// the value of the best node.
     pub value: Option<f64>,
     /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
     /// not certified, or if no bound is known.

@@ -46,8 +46,9 @@ pub struct PlannedPoseEntry {
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The base is assumed to be registered again. The expected errors leave out the part that the unknowns of
-/// the calibration do not explain.
+/// The base frame is assumed to be measured with the robot again after the calibration. The expected errors
+/// leave out the part that the new base frame removes. They also leave out errors that the unknowns of the
+/// calibration cannot explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {

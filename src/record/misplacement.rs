@@ -75,11 +75,11 @@ pub struct RobustnessEntry {
     /// Largest multiple of the tolerances at which the operation stays feasible and within its limit. Null if
     /// no placement has a tolerance.
     pub largest_times_tolerance: Option<LargestEntry>,
-    /// Largest horizontal displacement of the equipment that is allowed in every direction. A displacement is
-    /// allowed if the operation stays feasible and within its limit.
+    /// Largest distance by which the equipment under the operation may be displaced in every horizontal
+    /// direction. A displacement is allowed if the operation stays feasible and within its limit.
     pub largest_in_plan_mm: LargestEntry,
-    /// Largest yaw of the equipment that is allowed in both directions. A yaw is allowed if the operation
-    /// stays feasible and within its limit.
+    /// Largest angle by which the equipment under the operation may be rotated about the vertical in both
+    /// directions. A rotation is allowed if the operation stays feasible and within its limit.
     pub largest_yaw_deg: LargestEntry,
     /// Whether the operation stays feasible and within its limit over the tolerances.
     pub holds: bool,

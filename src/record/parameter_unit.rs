@@ -60,7 +60,7 @@ impl ParameterUnit {
         }
     }
 
-    /// Converts a value from SI to the unit of files and reports.
+    /// Converts a value from SI to this unit.
     pub fn from_si(self, value: f64) -> f64 {
         match self {
             Self::Length => mm_from_m(value),
@@ -69,12 +69,12 @@ impl ParameterUnit {
         }
     }
 
-    /// Converts a value from SI to the unit of documents, rounded to 9 decimals.
+    /// Converts a value from SI to this unit, rounded to 9 decimals.
     pub fn shown(self, value: f64) -> f64 {
         nine_digits(self.from_si(value))
     }
 
-    /// Converts the effect of a parameter from m per SI unit to mm per unit of documents.
+    /// Converts the effect of a parameter from m per SI unit of the parameter to mm per this unit.
     pub fn effect_mm(self, effect: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Length => *effect,

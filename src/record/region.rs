@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 /// their placements. Every operation keeps its spot and branch. An operation that happens at every node may
 /// use another branch at each node.
 ///
-/// Everywhere in the region, the layout works within the placement tolerances. The objective grows by at most
-/// the percentage `indifference_percent` of the cell file.
+/// Everywhere in the region, the layout works at every misplacement within the placement tolerances. The
+/// objective grows by at most the percentage `indifference_percent` of the cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {

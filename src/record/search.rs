@@ -279,7 +279,7 @@ impl SearchResult {
         Some(Self::new(record, proof, start, best, gain))
     }
 
-    /// Adds the islands from which the result was merged; an empty list means a plain search.
+    /// Adds the islands from which the result was merged. The list is empty for a search without islands.
     pub fn of_islands(mut self, islands: Vec<IslandEntry>) -> Self {
         self.islands = Some(islands).filter(|islands| !islands.is_empty());
         self

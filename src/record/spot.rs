@@ -51,8 +51,8 @@ pub struct SpotEntry {
 }
 
 /// Error figures by sense; null if the operation has no spot. Worst case and statistics are null in the
-/// signed reading if the errors of the sample compensate each other. The program assumes that they do if the
-/// error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
+/// signed reading if the errors of the sample compensate each other. The program assumes such compensation if
+/// the error of a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.
@@ -60,8 +60,8 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
     /// Largest allowed value of the operation. If the objective is a tolerance cost, this limit is the cost
-    /// of the tightest tolerances. If the value exceeds this cost, even the tightest tolerances give more
-    /// than the largest allowed error.
+    /// of the tightest tolerances. A value above this cost means that the error exceeds its limit even at the
+    /// tightest tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, the upper bound `worst` of `SpotEntry` replaces the value. The value stays if

@@ -19,7 +19,8 @@ pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
 /// Name and version of the table of a sweep.
 pub const SWEEP_SCHEMA: &str = "sweetspot/sweep/1";
 
-/// Plan of a sweep, `plan.json`. Plans with equal fields give files with equal bytes.
+/// Plan of a sweep, `plan.json`. A combination takes one value of every `--set` option. Plans with equal
+/// fields give files with equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepPlan {
@@ -195,7 +196,7 @@ impl SweepRow {
 }
 
 impl SweepRow {
-    /// Returns whether no limit of the operations is missed.
+    /// Returns whether every operation that has a limit and a spot meets its limit.
     pub fn meets_limits(&self) -> bool {
         self.operations.iter().all(|spot| spot.limit_met != Some(false))
     }

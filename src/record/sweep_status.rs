@@ -23,7 +23,7 @@ pub struct SweepStatus {
     pub seconds_left: Option<f64>,
     /// Work that each host has done. Only workers of `sweep --claim` leave this information.
     pub hosts: Vec<HostWork>,
-    /// Whether the table is written.
+    /// Whether the tables and the manifest of the sweep are written.
     pub complete: bool,
 }
 

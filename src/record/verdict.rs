@@ -89,7 +89,7 @@ pub enum RequirementState {
 }
 
 impl RequirementState {
-    /// Returns the state of a limit.
+    /// Returns whether a limit is met, missed or not guaranteed.
     pub fn of(requirement: Requirement) -> Self {
         match requirement.is_met() {
             true => Self::Met,

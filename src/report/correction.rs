@@ -38,7 +38,8 @@ fn row(entry: &CorrectionEntry, document: &CorrectionDocument) -> Vec<String> {
     cells
 }
 
-/// Returns the name of a target: the name in the table of targets, or the node.
+/// Returns the name of a target in the table of targets. A node without such a name is called `node I J` by
+/// its indices. Any other target is called `spot`.
 pub fn target(entry: &CorrectionEntry) -> String {
     match (&entry.name, entry.node) {
         (Some(name), _) => name.clone(),

@@ -1,5 +1,5 @@
-//! Tables as CSV: map.csv has one row per node, readings.csv has one row per operation and reading, and
-//! front.csv has one row per layout.
+//! Tables as CSV: map.csv has one row per node, readings.csv has one row per operation, reading and
+//! registration, and front.csv has one row per layout.
 
 use crate::cell::{Cell, Slot};
 use crate::record::{
@@ -8,8 +8,8 @@ use crate::record::{
 use crate::search::SearchRecord;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Writes the nodes of all operations as CSV with a header. Positions are in the world frame, in mm and
-/// degrees.
+/// Writes the nodes of all operations as CSV with a header. Positions are in the world frame, mm; angles are
+/// in degrees.
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.
@@ -86,8 +86,7 @@ fn variable(cell: &Cell, slot: Slot) -> String {
     format!("{owner} {}", coordinate_name(slot))
 }
 
-/// Writes the readings of all operations as CSV with a header. Positions are in the world frame, in mm and
-/// degrees.
+/// Writes the readings of all operations as CSV with a header. Positions are in the world frame, mm.
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.

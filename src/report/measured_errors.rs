@@ -1,4 +1,5 @@
-//! Error table for a robot file, with the errors that a calibration has identified or that a file states.
+//! Error table for a robot file. The errors come from a fit to measured positions, or from a file that states
+//! a finished calibration.
 
 use crate::calibration::{Calibration, Unknown};
 use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, PeriodicError, Robot, SignedErrors};
@@ -182,7 +183,8 @@ fn numbers(values: impl Iterator<Item = f64>) -> String {
 /// Number of decimals of stated errors, in mm and degrees.
 const STATED_DECIMALS: i32 = 10;
 
-/// Returns the table with the errors that a file states. The table states them as a signed sample.
+/// Returns the table with the errors of a finished calibration, as a signed sample. `source` names the file
+/// that states this calibration.
 pub fn stated_table(robot: &Robot, errors: &SignedErrors, source: &str) -> String {
     let source = toml_string(&format!("sweetspot calibrate: {source}"));
     let mut out = format!("[errors.measured]\nkind = \"signed\"\nsource = {source}\n");

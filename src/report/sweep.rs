@@ -14,7 +14,8 @@ pub fn word(value: &Value) -> String {
 
 const COORDINATES: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 
-/// Writes table.csv: one line per row, with a header. Positions are in the world frame, in mm and degrees.
+/// Writes table.csv: one line per row, with a header. Positions are in the world frame, mm; angles are in
+/// degrees.
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.

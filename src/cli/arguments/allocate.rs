@@ -27,7 +27,7 @@ pub struct AllocateArguments {
     /// Move each operation to the node at which its limit is cheapest to meet
     #[arg(long, conflicts_with_all = ["at", "nodes"])]
     pub cheapest: bool,
-    /// Required yield: least share of arms that stay within each limit, if the parameter errors are random;
+    /// Required yield: at least this share of the arms built to the tolerances must stay within each limit;
     /// applies only to the quantity yield
     #[arg(long = "yield", value_name = "SHARE", value_parser = share, default_value = "0.99", allow_hyphen_values = true)]
     pub share: f64,

@@ -26,7 +26,7 @@ pub struct CalibrateArguments {
     /// several seconds for 300 positions
     #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub harmonics: Option<u8>,
-    /// Take the prior standard deviations (before the measurement) from this error set of the robot;
+    /// Take the prior standard deviations of the parameters (before the measurement) from this error set;
     /// parameters without a tolerance keep their nominal values [default: 0.5 mm for lengths, 0.5 degrees
     /// for joint zeros, 0.1 degrees for other angles]
     #[arg(long, value_name = "ERRORS")]

@@ -19,8 +19,8 @@ pub enum ChunkSize {
 
 #[derive(Args, Default)]
 pub struct EngineFlags {
-    /// Seconds without a sign of life (heartbeat) of this worker, after which other workers take over its
-    /// combinations (sweep) or islands (search)
+    /// Let other workers take over the combinations (sweep) or islands (search) of this worker if it gives no
+    /// sign of life (heartbeat) for this many seconds
     #[arg(
         long,
         value_name = "LEASE",

@@ -19,8 +19,8 @@ pub struct MeasuredFlags {
     /// 1); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
-    /// Group measured poses into spots: the commanded positions of a spot differ from its first one by at
-    /// most this length per axis [default: 1]
+    /// Group measured poses into spots: along each axis, a commanded position differs by at most this length
+    /// from the first position of the spot [default: 1]
     #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
     pub spot: Option<f64>,
 }

@@ -91,8 +91,8 @@ pub struct ExportArguments {
     /// Show the robot at the spot of this operation, or at `home` [default: at the first spot]
     #[arg(long, value_name = "OPERATION|home")]
     pub posture: Option<String>,
-    /// Prefix of the mesh files in a URDF, such as package://my_cell/meshes/ [default: the folder of the mesh
-    /// files]
+    /// Prefix of the names of the mesh files in a URDF, such as package://my_cell/meshes/ [default: the
+    /// folder of the mesh files]
     #[arg(long, value_name = "URI")]
     pub meshes: Option<String>,
     #[command(flatten)]

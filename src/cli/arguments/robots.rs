@@ -16,7 +16,7 @@ pub struct RobotsArguments {
 pub struct RobotArguments {
     /// Name of a built-in robot, a robot file (TOML), or a URDF or xacro file
     pub robot: PathBuf,
-    /// Print the robot file, as a template for your own
+    /// Print the robot file, as a template for your own robot file
     #[arg(long, conflicts_with = "json")]
     pub toml: bool,
     /// Print the robot as JSON on stdout

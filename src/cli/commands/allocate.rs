@@ -89,7 +89,7 @@ fn refused(why: NoAllocation) -> Exit {
         }
         NoAllocation::NotSolved | NoAllocation::Infeasible(_) => {
             output::error("the optimization of the tolerances (a cone program) has failed");
-            output::talk("  help: narrow the ranges of the tolerances in the costs of the error set");
+            output::talk("  help: narrow `scale_range` in the entries of `cost` in the error set");
             Exit::AnswerIsNo
         }
     }
@@ -113,7 +113,7 @@ fn next(a: &AllocateArguments, is_kept: bool) -> String {
         (true, false) => format!("allocate {of}{operation}{at}{nodes}{flags} --toml"),
         (true, true) => {
             let file = if a.of.is_dir() { path_word(&a.of.join("best.toml")) } else { of };
-            format!("check {file}, with these tables in copies of its files")
+            format!("check {file}, with these tables in copies of this file and of the files that it names")
         }
         (false, _) => format!("budget {of}{operation}{at}{flags}"),
     }

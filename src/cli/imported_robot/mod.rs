@@ -144,7 +144,7 @@ impl ImportedRobot {
             false => format!("the tool is at {}, after {joints} joints", shown(tip_link)),
         };
         output::talk(&format!(
-            "note: {tip}; it points along ({}, {}, {}), the axis of {}",
+            "note: {tip}; the tool points along ({}, {}, {}), the axis of {}",
             d.x,
             d.y,
             d.z,

@@ -74,8 +74,8 @@ impl PricedScales {
     }
 }
 
-/// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
-/// gap is at most `gap` unless the function ends early.
+/// Returns the cheapest scales with which every figure is at most its limit of 1, and a lower bound of the
+/// cost. The relative gap between cost and lower bound is at most `gap` unless the function ends early.
 ///
 /// Each round maximizes the dual (ascent), and then adds the constraints that the scales violate. The first
 /// ascents are coarse. Fine ascents end when the largest derivative of the dual is at most `FINE * gap`. The

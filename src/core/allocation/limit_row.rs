@@ -122,10 +122,11 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least Lagrange multiplier of this constraint at which the scales satisfy the constraint.
-    /// These scales minimize the Lagrangian, which is a sum. The terms are the costs, the linear prices `p`,
-    /// the quadratic prices `q`, and this constraint times its multiplier. Newton's method within a bracket
-    /// finds the multiplier.
+    /// Returns the least multiplier of this constraint at which the scales that minimize the Lagrangian
+    /// satisfy the constraint. Newton's method within a bracket finds the multiplier.
+    ///
+    /// The Lagrangian is `sum_k (c_k(u_k) + p_k u_k + q_k u_k^2) + multiplier * (left - 1)`. Here `c_k` is
+    /// the cost of a scale, and `left` is the left side of this constraint.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

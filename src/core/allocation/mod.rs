@@ -16,26 +16,26 @@
 //! `w_ik` is the contribution of this tolerance to the square of the figure. No tolerance changes the errors
 //! `f_ij` and the number `f_i`.
 //!
-//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one
-//! second-order cone. A worst case is one second-order cone for each sign pattern. In one axis, it is a
-//! single linear inequality. In a plane, the patterns depend only on the directions of the generators, so n
-//! generators have at most n patterns. The cutting-plane method adds only the constraints (`ConeCut`) of
-//! the patterns that bind. The exact worst case of a solution gives the pattern with which this solution
-//! violates a limit. A requirement adds cuts only while a solution violates it. So requirements at many
-//! nodes take little computing time.
+//! Every cost `c_k` is a decreasing, convex function of its scale, so this is a convex program. A root sum
+//! square is one second-order cone. A worst case is one second-order cone for each sign pattern. If the error
+//! has one axis, a worst case is a single linear inequality. In a plane, the patterns depend only on the
+//! directions of the generators, so n generators have at most n patterns. The cutting-plane method adds only
+//! the constraints (`ConeCut`) of the patterns that bind. The exact worst case of a solution gives the
+//! pattern with which this solution violates a limit. A requirement adds cuts only while a solution violates
+//! it. So requirements at many nodes take little computing time.
 //!
 //! For continuous costs, Newton's method solves the dual problem, which has only a few variables
-//! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the
-//! grades are discrete. In the second case, Newton's method does not close the duality gap. In a cone
-//! program, each continuous cost becomes a second-order, power or exponential cone. Newton's method and the
-//! cone programs give dual vectors, which give a lower bound of the cost in closed form
+//! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the grades
+//! are discrete. In the second case, Newton's method does not close the duality gap. In a cone program, each
+//! continuous cost becomes a second-order, power or exponential cone. Newton's method and the cone programs
+//! give dual vectors, which give a lower bound of the cost in closed form
 //! ([`ToleranceAllocation::lower_bound`]). This bound holds whatever the accuracy of the solver, so the
-//! duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
-//! (`grade_choice`).
+//! duality gap is proven. Discrete grades are chosen by branch and bound (`grade_choice`). The bounds come
+//! from a relaxed problem, which permits mixtures of grades.
 //!
-//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution
-//! by the full model. The function adapts the linear requirements until the judged figures are within the
-//! limits.
+//! If the error is not linear, or the figure is a percentile, the linear requirements are only an
+//! approximation. [`allocate_judged`] then judges each solution by the full error model of the cell. The
+//! function adapts the linear requirements until the judged figures are within the limits.
 
 mod cone_cut;
 mod cone_program;

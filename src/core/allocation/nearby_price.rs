@@ -61,8 +61,8 @@ impl NearbyPrice {
         })
     }
 
-    /// Divides the scales that [`Self::new`] found by one divisor, so that `figures` meet their limits.
-    /// Returns the cost of the divided scales. The divisor is the largest of `figures` at the undivided
+    /// Divides all known scales (from [`Self::new`]) by the same number, so that `figures` meet their limits
+    /// of 1. Returns the cost of the divided scales. The number is the largest of `figures` at the known
     /// scales, but at least 1.
     ///
     /// Returns None if a divided scale leaves its range, or if a figure still exceeds its limit.

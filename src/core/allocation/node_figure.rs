@@ -32,10 +32,11 @@ pub struct NodeFigure<'a> {
 }
 
 impl NodeFigure<'_> {
-    /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst
-    /// case.
+    /// Returns the error figure of the operation at the node, m or rad. In the statistical reading, the
+    /// figure is the quantity, such as the RMS. In any other reading, the figure is the worst case.
     ///
-    /// If the quantity is the yield, the result is the percentile that must not exceed the limit.
+    /// If the quantity is the yield, the figure is the percentile of the error at the probability
+    /// [`Self::share`]. The demanded yield is reached if this percentile is within the limit.
     pub fn value(&self, memory: &mut EvaluatorScratch) -> f64 {
         self.value_of(self.evaluator, memory)
     }
@@ -57,8 +58,8 @@ impl NodeFigure<'_> {
 
     /// Returns a linear figure that approximates the judged figure `value`.
     ///
-    /// The evaluator already holds the tolerances of the parameters `free` multiplied by `scales`. All other
-    /// errors are fixed.
+    /// The tolerances in [`Self::evaluator`] must already be multiplied by `scales`, one scale for each
+    /// parameter in `free`. All other errors are fixed.
     pub fn linear(
         &self,
         free: &[Parameter],
@@ -73,8 +74,9 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns whether the figure is a high percentile in the statistical reading. In the linear error model,
-    /// the square of such a figure is a convex function of the squared scales.
+    /// Returns whether the figure is a percentile with a probability of at least 0.8 (a high percentile) in
+    /// the statistical reading. In the linear error model, the square of such a figure is a convex function
+    /// of the squared scales.
     ///
     /// The reason is as follows. Consider normal errors with mean 0, and let c be the square of the
     /// percentile for a unit variance in one direction. The squared percentile then lies between c times the
@@ -88,7 +90,7 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the linear worst case at the present tolerances.
+    /// Returns the worst case as a linear figure. Scale 1 stands for the tolerances in [`Self::evaluator`].
     pub fn worst_case(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> LinearFigure {
         self.worst_case_at(free, &vec![1.0; free.len()], memory)
     }
@@ -129,7 +131,8 @@ impl NodeFigure<'_> {
     ///
     /// Returns None for a worst case.
     ///
-    /// Consider normal errors of equal mean square. A high percentile is least if the variance is equal in
+    /// A percentile is high if its probability is at least 0.8, and low otherwise. Consider normal errors of
+    /// equal mean square. A high percentile is least if the variance is equal in
     /// all directions. A low percentile is least if all errors lie along one line. A high percentile of a
     /// bounded error may be below the same percentile of a normal error. The percentile of the bounded error
     /// is still at least the root mean square. If an error is bounded, the result is therefore 1 for a high

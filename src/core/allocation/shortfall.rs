@@ -20,11 +20,12 @@ pub struct ToleranceShortfall {
     pub bounds: Vec<BoundInTheWay>,
 }
 
-/// Lower bound of a scale. This bound contributes to the excess of a figure over its limit.
+/// Lower bound of the scale of one parameter. This bound contributes to the excess of a figure over its
+/// limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundInTheWay {
     pub parameter: usize,
-    /// Figure if this parameter had no error and the tolerances of all other parameters were at their
+    /// Figure if the parameter [`Self::parameter`] had no error and all other tolerances were at their
     /// tightest.
     pub without: f64,
 }

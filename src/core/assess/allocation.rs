@@ -179,7 +179,8 @@ impl<'a> CellAllocation<'a> {
         Ok(())
     }
 
-    /// Returns whether a requirement is at its limit.
+    /// Returns whether the error of a requirement at the allocated tolerances is at most 0.01 % below its
+    /// limit.
     pub fn is_binding(&self, requirement: usize, found: &JudgedAllocation) -> bool {
         found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)
     }

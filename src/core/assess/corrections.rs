@@ -49,9 +49,10 @@ pub struct OperationCorrector<'a> {
 }
 
 impl<'a> OperationCorrector<'a> {
-    /// Prepares the correction of one operation; None if its errors have no known signs.
+    /// Prepares the correction of one operation. Returns None if no error of robot or equipment has a known
+    /// value other than 0.
     ///
-    /// A tolerance does not state the sign of a robot's error, so nothing can be corrected.
+    /// A tolerance does not state the actual value of an error, so no correction can be computed.
     pub fn new(workcell: &'a Workcell, operation: usize) -> Option<Self> {
         let evaluator = workcell.evaluator(operation);
         let values = evaluator.sources.signed();
@@ -78,8 +79,8 @@ impl<'a> OperationCorrector<'a> {
     /// context determines the error.
     ///
     /// # Errors
-    /// Returns the reason if the taught frame cannot be computed. Also returns the reason if the posture at
-    /// which the part was picked cannot be computed.
+    /// Returns the reason if the taught frame cannot be computed. If the operation places a picked part, also
+    /// returns the reason if the posture at the pick cannot be computed.
     pub fn context(&self) -> Result<WorkContext, String> {
         let cell = &self.workcell.cell;
         let home = cell.robot.home;

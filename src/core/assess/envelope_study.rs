@@ -144,8 +144,8 @@ pub struct RobotDataSheet<'a> {
 
 /// Working envelope on the data sheet of a robot.
 pub struct SheetEnvelope {
-    /// Elevation of the tool axis, rad: the fixed elevation of the arm if it has one, otherwise straight
-    /// down.
+    /// Elevation of the tool axis, rad. If the elevation is the same in every posture of the arm, it is this
+    /// elevation. For any other arm, the tool axis points straight down.
     pub elevation: f64,
     pub size: Size,
     /// Distance between sampled points, m.

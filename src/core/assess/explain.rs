@@ -60,11 +60,12 @@ impl ParameterEffect {
     }
 }
 
-/// Row of a sense ([`crate::cell::Row`]) at the explained posture, and the error component that it measures.
+/// One row of the operation's sense ([`crate::cell::Row`]) at the explained posture, with its error. The row
+/// is a position error along a direction, or a rotation error about this direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SenseRow {
     pub turns: bool,
-    /// Direction of the row in the base frame; the length of this vector is the weight.
+    /// Direction of the row in the base frame; the length of this vector is the weight of the row.
     pub direction: Vector3<f64>,
     pub value: f64,
 }

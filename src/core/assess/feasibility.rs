@@ -10,8 +10,8 @@ use crate::units::mm_from_m;
 
 /// Evaluation of a layout with the reasons why it is infeasible.
 ///
-/// No errors are computed except the errors that the search minimizes. A map computes many more errors at
-/// every node.
+/// Only the errors that the search minimizes are computed. An [`Assessment`](super::Assessment) computes many
+/// more errors at every node.
 pub struct Feasibility {
     pub evaluation: Evaluation,
     /// Reasons why the layout is infeasible, in words; empty if it is feasible.

@@ -113,12 +113,12 @@ impl<'a> PostureContext<'a> {
     /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
     /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. The workcell is needed
-    /// only if the surface frame is taught, or if an earlier operation picked the part. Both cases need the
+    /// only if the surface frame is taught, or if the operation places a picked part. Both cases need the
     /// inverse kinematics for further postures.
     ///
     /// # Errors
-    /// Returns the reason if the taught frame cannot be computed. Also returns the reason if the posture at
-    /// which the part was picked cannot be computed.
+    /// Returns the reason if the taught frame cannot be computed. If the operation places a picked part, also
+    /// returns the reason if the posture at the pick cannot be computed.
     pub fn of_joints(
         cell: &'a Cell,
         workcell: Result<&Workcell, &str>,

@@ -34,7 +34,7 @@ pub struct Remedies<'a> {
 }
 
 impl<'a> Remedies<'a> {
-    /// Compares the remedies; `columns` holds one layout for each, in the order of [`Remedy::ALL`].
+    /// Compares the remedies. `columns` holds the layout of every remedy, in the order of [`Remedy::ALL`].
     pub fn new(columns: [Assessment<'a>; 4]) -> Self {
         Self { columns }
     }
@@ -61,8 +61,8 @@ impl<'a> Remedies<'a> {
         self.layout(remedy).evaluation.objective
     }
 
-    /// Returns the relative reduction of the objective by a remedy, compared with the layout as drawn; None
-    /// if either layout is infeasible.
+    /// Returns the relative reduction of the objective by a remedy, compared with the layout as drawn.
+    /// Returns None if either layout is infeasible, or if the objective as drawn is 0.
     pub fn gain(&self, remedy: Remedy) -> Option<f64> {
         let drawn = self.objective(Remedy::AsDrawn).filter(|drawn| *drawn > 0.0)?;
         Some(1.0 - self.objective(remedy)? / drawn)

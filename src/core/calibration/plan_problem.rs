@@ -19,8 +19,8 @@ const OF_SET_UP: usize = OF_BASE + 3;
 pub struct UnmodelledError {
     /// Standard deviation of the part of the error that is nearly equal at nearby poses, m.
     pub shared: f64,
-    /// Length scale of the shared part of the error: distance in the joint space over which this part
-    /// changes, rad.
+    /// Length scale L of the shared part of the error, rad. At two poses with the distance d in the joint
+    /// space, the correlation of this part is `exp(-d^2 / (2 L^2))`.
     pub length: f64,
     /// Standard deviation of the part of the error that is independent of the errors at all other poses, m.
     pub own: f64,
@@ -78,7 +78,8 @@ impl IntendedCalibration<'_> {
     }
 }
 
-/// Choice of measuring poses among candidates.
+/// Choice of measuring poses among candidates. The plan minimizes the expected error of predicted
+/// positions at the task (a list of postures).
 #[derive(Debug, Clone)]
 pub struct PlanProblem {
     /// Motion of the reflector at every candidate per standard deviation of each unknown, m.

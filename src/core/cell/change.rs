@@ -24,7 +24,8 @@ impl Cell {
     /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay
     /// unchanged.
     ///
-    /// A signed sample becomes a tolerance whose half widths are the scaled magnitudes of its values.
+    /// The values of a signed sample are replaced by tolerances. Each tolerance is the magnitude of a value
+    /// times its scale.
     pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Cell {
         let mut cell = self.clone();
         let parameters = Parameter::of_robot(self.robot.axes());
@@ -68,7 +69,7 @@ impl Cell {
         stated.cloned().unwrap_or_default()
     }
 
-    /// Returns the coordinate in a slot of the layout; None if the cell has no such coordinate.
+    /// Returns the coordinate that a [`Slot`] denotes; None if the cell has no such coordinate.
     pub fn coordinate(&self, slot: Slot) -> Option<&Coordinate> {
         match slot {
             Slot::Base(axis) => self.base.get(axis),
@@ -85,7 +86,7 @@ impl Cell {
         }
     }
 
-    /// Returns this cell with other start values (m or rad) in the given slots.
+    /// Returns this cell with other start values (m or rad) of the coordinates that the [`Slot`]s denote.
     ///
     /// If `frees` is true, a fixed coordinate that gets another value becomes free. The range of this
     /// coordinate is then the interval between the old and the new value.

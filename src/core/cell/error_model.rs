@@ -41,7 +41,7 @@ pub enum Parameter {
     /// ([`crate::robot::lever`]). The first index is the joint, and the second index is the link.
     ///
     /// The deflection grows with the posture-dependent lever. The parameter is the compliance of the joint
-    /// times a weight. This weight is that of all masses at the end of the link or after it in the chain.
+    /// times the weight of all masses at and after the end of the link.
     Elastic(usize, usize),
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
     /// joint carries ([`crate::robot::gravity_torque`]).

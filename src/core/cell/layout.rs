@@ -91,7 +91,7 @@ impl Cell {
         Layout { base, placements, attitudes }
     }
 
-    /// Returns every coordinate that the search may change, with its slot.
+    /// Returns every coordinate that the search may change, with the [`Slot`] that denotes it.
     pub fn free(&self) -> Vec<(Slot, &Coordinate)> {
         let base = self.base.iter().enumerate().map(|(axis, c)| (Slot::Base(axis), c));
         let equipment = self.equipment.iter().enumerate().flat_map(|(k, e)| {

@@ -129,8 +129,8 @@ pub enum BaseSupport {
     Hung,
 }
 
-/// Keep-out box in the world. Neither equipment nor the robot with its tool and held parts may enter it;
-/// obstacles may.
+/// Keep-out box in the world. The robot, its tool, held parts and equipment must stay outside.
+/// Obstacles ([`Role::Obstacle`]) may overlap the box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeepOut {
     pub name: String,

@@ -99,7 +99,7 @@ impl Cell {
     ///
     /// # Errors
     /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
-    /// Senses with different units are no such reason here.
+    /// Different units of the senses do not count as a reason.
     pub fn with_interpretation_per_operation(
         &self,
         interpretation: &Interpretation,
@@ -216,7 +216,9 @@ impl Cell {
                 let help = "use over = \"best\", or over = \"max\" to apply the limit to every node";
                 refuse(
                     About::Operation(k),
-                    format!("{message}, but the cost of tolerances applies the limit to single nodes"),
+                    format!(
+                        "{message}, but the cost of tolerances is defined only for limits at single nodes"
+                    ),
                     help,
                 );
             }

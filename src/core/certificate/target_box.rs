@@ -38,7 +38,8 @@ impl TargetBox {
     /// the world frame, m.
     ///
     /// The position of the target depends on the placements of the equipment, of its carriers and of the
-    /// robot base. Each placement is expanded to first order, and a bound of the second-order terms is added.
+    /// robot base. The half widths are the first-order effects of the placement tolerances, plus a bound of
+    /// the second-order effects.
     pub fn new(cell: &Cell, layout: &Layout, equipment: usize, target: &Vector3<f64>) -> Self {
         let mut sum = Self { position: Vector3::zeros(), yaw: 0.0, heading: 0.0 };
         let mut second = SecondOrder::default();

@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 /// Sphere that contains one solid of the robot and moves with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundingSphere {
-    /// Index of the frame that carries the solid: 0 is the robot base, and k is the frame after row k of the
-    /// chain.
+    /// Index of the frame that carries the solid: 0 is the robot base, and k is the frame after the k-th
+    /// Denavit-Hartenberg row.
     pub frame: usize,
     /// Centre in the frame that carries the solid, m.
     pub centre: Vector3<f64>,

@@ -14,8 +14,7 @@ pub enum SolidRef {
     Floor,
     /// Pedestal of the robot base.
     Pedestal,
-    /// Wall of the fence. The index is that of an edge of the fence, and of the corner at which this edge
-    /// starts.
+    /// Wall of the fence. Wall k stands on the edge that starts at corner k of the fence.
     Fence(usize),
     /// Index into [`Cell::keep_out`].
     KeepOut(usize),

@@ -12,9 +12,9 @@
 //! boxes and cylinders are exact, because parry3d has rounded shapes for them. Solids that touch count as a
 //! collision, but floor spaces may touch.
 //!
-//! Equipment meshes are checked triangle by triangle, so the verdict is exact. A convex equipment mesh
-//! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts
-//! that contain the mesh. The robot is checked against itself without the clearance. The pedestal is an
+//! A convex equipment mesh is checked as a convex polyhedron. Any other equipment mesh is checked triangle by
+//! triangle. Both checks are exact. Link meshes, which move, are checked as convex parts that contain the
+//! mesh. The robot is checked against itself without the clearance. The pedestal is an
 //! exception: the arm must keep the clearance from the sides of the pedestal.
 
 mod arm_part;

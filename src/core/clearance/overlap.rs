@@ -6,7 +6,7 @@ use crate::units::mm_from_m;
 /// Rounding error of a sum of distances, m.
 const ROUNDING: f64 = 1e-9;
 
-/// Participant of an overlap.
+/// Object that takes part in an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Party {
     /// Index into [`Cell::equipment`].

@@ -107,7 +107,8 @@ impl Scene {
 
     /// Returns the index of the equipment to which the second solid of a pair belongs.
     ///
-    /// The index after the last piece of equipment denotes fence and keep-out boxes. None denotes the floor or the robot.
+    /// The index after the last piece of equipment denotes fence and keep-out boxes. None denotes the floor
+    /// or the robot.
     pub fn equipment_of(&self, placed: &PlacedSolids, pair: Pair) -> Option<usize> {
         match pair.against {
             Against::Placed(k) => Some(placed.bodies[k].id.0),

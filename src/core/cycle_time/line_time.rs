@@ -41,9 +41,9 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
 /// Returns the least time, s, of a path that consists of straight moves and straight lines of the TCP.
 ///
 /// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path.
-/// A leg consists of the joint vectors from one stop to the next, with the joint vectors of both stops. A leg
-/// of two joint vectors is a straight move in joint coordinates. In a leg of more joint vectors, the TCP
-/// moves along a straight line.
+/// A leg consists of the joint vectors from one stop to the next, including both stops. A leg of two joint
+/// vectors is a straight move in joint coordinates. In a leg of three or more joint vectors, the TCP moves
+/// along a straight line.
 pub fn path_of_legs_time(chain: &Chain, path: &[JointVector], corners: &[usize], bounds: &RateBounds) -> f64 {
     let leg = |ends: &[usize]| match path.get(ends[0]..=ends[1]) {
         Some([from, to]) => limited_move_time(from, to, bounds, f64::INFINITY),

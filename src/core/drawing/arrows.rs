@@ -133,7 +133,8 @@ impl Field {
     ///
     /// The means along the two grid axes are computed separately, and the smaller one is returned.
     ///
-    /// Listed points have no grid. Each point is a neighbour of the next point in the list.
+    /// Points that the cell file lists one by one have no grid. Neighbours are then two successive points of
+    /// the list.
     pub fn spacing(&self) -> f64 {
         let along = self.size.0.max(1);
         let mean = |pairs: Vec<(usize, usize)>| {

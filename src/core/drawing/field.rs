@@ -117,8 +117,8 @@ pub struct Field {
     pub senses: Vec<Sense>,
     /// Sense of the operation, as an index into [`Self::senses`].
     pub sense: usize,
-    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid. Listed points
-    /// lie along the first axis.
+    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid. Points that the
+    /// cell file lists one by one count as one row along the first axis.
     pub size: (usize, usize),
     /// All mapped nodes, or a regular selection of them ([`Self::every`]).
     ///
@@ -134,8 +134,9 @@ pub struct Field {
     ///
     /// The position is given even if [`Self::nodes`] lacks the node of the spot.
     pub spot: Option<Vector3<f64>>,
-    /// Position of the spot refined between the nodes, in the world frame, m; None if the spot was not
-    /// refined.
+    /// Position of the refined spot, in the world frame, m; None if the spot was not refined.
+    ///
+    /// The refined spot may lie between the nodes.
     pub refined: Option<Vector3<f64>>,
     /// Stride between the nodes in [`Self::nodes`] along each axis.
     ///

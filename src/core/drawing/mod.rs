@@ -86,7 +86,8 @@ impl<'a> Drawing<'a> {
     ///
     /// # Errors
     ///
-    /// Returns the reason if the cell cannot be evaluated under another model or reading.
+    /// Returns the reason if the cell cannot be evaluated under a model or reading that
+    /// [`Detail::lenses`] requests.
     pub fn new(a: &Assessment<'a>, detail: &Detail) -> Result<Self, String> {
         let (lenses, fields) = field::fields(a, detail)?;
         let envelopes = if detail.envelopes {

@@ -12,8 +12,8 @@ pub struct DrawnRegion {
     /// Closed outlines of the region in the world frame, m. Each point has the height of the frame origin of
     /// the piece.
     pub rings: Vec<Vec<Vector3<f64>>>,
-    /// Largest distance, m, by which the piece may be displaced in plan ([`Region::room`]). None if neither
-    /// x nor y may vary.
+    /// Largest distance, m, by which the piece may be displaced in every direction in plan
+    /// ([`Region::room`]). None if neither x nor y may vary.
     pub room: Option<f64>,
     /// Largest angle, rad, by which the piece may be rotated in both directions ([`Region::turn`]). None if
     /// the yaw may not vary.

@@ -3,7 +3,9 @@
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
-/// Data for the certificates of a layout; the data do not depend on the posture.
+/// Demand for certificates: every posture must work at every misplacement within the placement tolerances.
+///
+/// The data are the same for all postures of the layout.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,

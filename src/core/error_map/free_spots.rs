@@ -12,7 +12,8 @@ impl PlacedLayout<'_> {
     /// its best usable posture.
     ///
     /// The nodes come in ascending order of the least value among their usable sampled postures. Before each
-    /// call, this posture is refined along its redundant coordinates. The refinement can decrease the value.
+    /// call, the posture with the least value is refined along its redundant coordinates. The refinement can
+    /// decrease the value.
     pub fn free_spots(
         &self,
         operation: usize,

@@ -24,9 +24,10 @@ pub struct HeldPosture {
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
-    /// Reference azimuth at the point, in the base frame, rad ([`Inverse::heading`]). If the azimuth of the
-    /// tool is radial, it is the direction from the base axis to the point. Otherwise, it is fixed in the
-    /// surface.
+    /// Reference azimuth at the point, in the base frame, rad ([`Inverse::heading`]).
+    ///
+    /// If the operation has a radial azimuth, the reference is the direction from the base axis to the point.
+    /// Otherwise, the reference is fixed in the surface.
     pub heading: f64,
 }
 

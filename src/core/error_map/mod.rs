@@ -2,8 +2,8 @@
 //! least error.
 //!
 //! The seed paper is the journal paper from which this project grew. A [`PlacedLayout`] is a layout of a
-//! cell together with its posed solids. Only `walk.rs` loops over the nodes of a surface. Several
-//! functions use this loop:
+//! cell together with its posed solids. The functions of `walk.rs` visit one node or every node, and judge
+//! the postures there. The following items use these functions:
 //!
 //! - [`PlacedLayout::outcome`], for the search: the usable spot with the least error, or the combined value
 //!   of all nodes;

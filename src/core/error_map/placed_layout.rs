@@ -12,7 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Layout of a cell with its solids posed.
 ///
-/// All functions that judge postures take this context, so that the solids always belong to the layout.
+/// All functions that judge postures take layout and solids as one object. The solids thus always belong to
+/// the layout.
 pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,

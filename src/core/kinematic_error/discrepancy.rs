@@ -26,8 +26,8 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// An error smaller than this value, m or rad, counts as a mere rounding error. An example is the residual
-/// after a registration.
+/// Threshold, m or rad, below which an error counts as a rounding error. A registration can leave such a
+/// residual.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear

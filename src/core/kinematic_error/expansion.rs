@@ -70,8 +70,8 @@ impl MotionTerm {
         Self::along(axis, &(frames.tcp.translation - frame.translation), turns)
     }
 
-    /// Returns the effect of a motion on a point: a rotation about `axis` if `turns` is true, otherwise a
-    /// translation along `axis`.
+    /// Returns the effect of a motion on a point. The motion is a rotation about `axis` if `turns` is true,
+    /// otherwise a translation along `axis`.
     ///
     /// The vector `arm` leads from the axis to the point, m.
     #[inline(always)]

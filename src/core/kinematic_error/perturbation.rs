@@ -97,8 +97,7 @@ pub struct Perturbation {
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
-    /// Elastic errors. The errors are boxed to keep the sample small, because most of the millions of samples
-    /// have no elastic errors.
+    /// Elastic errors. They are boxed to keep the sample small, because most samples have no elastic errors.
     pub elastic: Option<Box<ElasticErrors>>,
 }
 

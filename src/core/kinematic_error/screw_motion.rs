@@ -62,11 +62,15 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
     }
 }
 
-/// Returns the rotation by which an elastic parameter deflects a joint. Returns None for any other parameter.
+/// Returns the rotation by which an elastic parameter ([`Parameter::is_elastic`]) deflects a joint. Returns
+/// None for any other parameter.
 ///
 /// In every posture, one unit of the parameter rotates the joint by at most [`ScrewMotion::factor`] of the
-/// result. A lever is at most as long as its link. Each weight adds to the torque at most the product of this
-/// weight and its largest distance from the joint.
+/// result. This bound depends on the kind of parameter:
+///
+/// - elastic term: the length of the link, because the lever is at most this long
+/// - compliance: the sum, over all masses after the joint, of weight times largest distance from the joint
+/// - periodic error: the sum of the amplitudes of its terms
 pub fn largest_deflection(
     chain: &Chain,
     frames: &Frames,

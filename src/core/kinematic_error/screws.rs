@@ -43,7 +43,8 @@ pub struct PosedScrews {
 }
 
 impl Screws {
-    /// Returns the nominal chain. `frames` gives the reference posture.
+    /// Returns the joint axes, TCP and measured point of the nominal chain. `frames` holds the link frames at
+    /// the reference posture.
     ///
     /// The argument `point` is the measured point ([`Self::point`]), given in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
@@ -62,7 +63,8 @@ impl Screws {
         }
     }
 
-    /// Returns the chain with a sample of errors, at the joint coordinates of the reference posture.
+    /// Returns the joint axes, TCP and measured point of the chain with a sample of errors. The joint
+    /// coordinates are those of the reference posture.
     ///
     /// The point stored for each axis is the foot of a perpendicular to this axis. The perpendicular begins
     /// at the point stored for the nominal axis.

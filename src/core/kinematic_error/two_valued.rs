@@ -203,8 +203,9 @@ impl TwoValuedWalk {
         }
     }
 
-    /// Returns the position error of the TCP `p` in the base frame, m. The posture must be set. `second` is
-    /// the bit set of the parameter errors that have the second of their two values.
+    /// Returns the position error of the TCP in the base frame, m. `p` is the nominal position of the TCP in
+    /// the same frame, m. `second` is the bit set of the parameter errors that have the second of their two
+    /// values. The caller must have set the posture with [`Self::set_posture`].
     ///
     /// The result equals [`super::position_error`] under the nonlinear model.
     pub fn position_error(&mut self, p: &Vector3<f64>, second: u128) -> Vector3<f64> {

@@ -22,7 +22,7 @@ pub enum Ending {
     NotCertified(usize, NotCertified),
     /// The operation cannot keep its posture at a corner of the placement tolerances.
     Corner(usize),
-    /// The operation happens at every node, but one node cannot be used.
+    /// At least one node of an operation that happens at every node cannot be used.
     EveryNode(usize),
     /// A transfer between two operations is blocked.
     Transfer(Blocked),

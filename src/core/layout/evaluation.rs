@@ -28,8 +28,8 @@ const BLOCKED_PENALTY: f64 = 0.25;
 /// Evaluation of a layout: the cost, and the reasons if the layout is infeasible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Reason why the layout does not belong to the cell; None if the layout belongs to the cell. No
-    /// operation is judged in a layout that does not belong to the cell.
+    /// Reason why the layout does not belong to the cell, such as a wrong number of placements. None if the
+    /// layout belongs to the cell. No operation is judged in a layout that does not belong to the cell.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
     /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside
@@ -94,7 +94,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Returns the work that the evaluations in this memory have done so far.
+    /// Returns the numbers of nodes, postures and contact checks in all evaluations with this memory so far.
     pub fn counts(&self) -> WalkCounts {
         self.spots.counts()
     }

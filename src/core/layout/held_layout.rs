@@ -15,7 +15,7 @@ use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot};
 use std::sync::OnceLock;
 
-/// Layout whose operations keep their spots.
+/// Layout whose operations keep their spots while the robot base or equipment is placed elsewhere.
 pub struct HeldLayout<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
@@ -120,7 +120,9 @@ impl<'a> HeldLayout<'a> {
     }
 
     /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster. The judgement
-    /// begins with [`Self::estimate_moved`], and continues with the other operations and the transfers.
+    /// begins with [`Self::estimate_moved`]. If the estimate gives no reason against the layout, the
+    /// judgement continues. It then checks the operations that are independent of this equipment, and the
+    /// transfers.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.

@@ -9,8 +9,8 @@ use crate::reading::WorkContext;
 use crate::robot::Frames;
 
 impl Workcell {
-    /// Maps every operation. If the equipment of an operation has an overlap, the reachable nodes of the
-    /// operation are marked as blocked.
+    /// Computes the error map of every operation. If the equipment of an operation has an overlap, the
+    /// reachable nodes of the operation are marked as blocked.
     ///
     /// If the layout does not belong to the cell, the maps have no nodes.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
@@ -61,8 +61,8 @@ impl Workcell {
         OperationMap { operation, senses, nodes: Vec::new(), best: None, value: None }
     }
 
-    /// Maps the operations that have no spot. Each node has the same status as in [`Workcell::maps`], but no
-    /// posture and no errors.
+    /// Computes the map of every operation that has no spot. Each node has the same status as in
+    /// [`Workcell::maps`], but no posture and no errors.
     ///
     /// This function is many times faster than [`Workcell::maps`], because it does not compute the error of
     /// every node. If the layout does not belong to the cell, both functions return the same maps.

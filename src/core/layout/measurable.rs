@@ -17,7 +17,7 @@ pub struct Sightline {
     pub opening: Option<(Vector3<f64>, f64)>,
 }
 
-/// Postures that can be measured, and the numbers of other postures that were tried.
+/// Postures that can be measured, and the numbers of tried postures that cannot be measured.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasurablePoses {
     pub joints: Vec<JointVector>,

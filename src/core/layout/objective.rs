@@ -24,7 +24,7 @@ const LEAST_STEP: f64 = 1e-9;
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
-    /// Returns the weight of the objective as a whole.
+    /// Returns the weight by which the penalties in [`super::Evaluation::cost`] are multiplied.
     ///
     /// This weight is the sum of the operations' weights for a weighted sum, and the largest weight for a
     /// weighted maximum. The weight is 1 for a lexicographic objective. If the objective is the cost of

@@ -92,7 +92,7 @@ pub struct Largest {
     pub ended: Option<MisplacementEnd>,
 }
 
-/// Tolerance analysis of one operation.
+/// Effect of misplacements on one operation, within the placement tolerances and beyond them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
     /// Value of the operation in the layout without misplacements (m, rad, share of failures, or cost of
@@ -151,8 +151,8 @@ struct HeldOperation<'a> {
 }
 
 impl Workcell {
-    /// Analyses every operation of a layout, given its maps. The entry of an operation without a spot is
-    /// None.
+    /// Computes the effect of misplacements on every operation of a layout, given the maps of the layout. The
+    /// entry of an operation without a spot is None.
     ///
     /// All entries are None if the layout does not belong to the cell.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {

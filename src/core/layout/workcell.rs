@@ -58,12 +58,13 @@ impl Workcell {
         self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
-    /// Returns this workcell under another interpretation of its errors. Use the result only for values of
-    /// single operations, not for an objective that combines them.
+    /// Returns this workcell under another interpretation of its errors. The senses of the operations may
+    /// have different units. Use the result only for values of single operations, not for an objective that
+    /// combines them.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does. The senses of the operations may have
-    /// different units.
+    /// Returns the reason as [`Workcell::interpreted`] does. Senses with different units are no such reason
+    /// here.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell
@@ -91,8 +92,8 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, certifies, rates, wide, value_bounds })
     }
 
-    /// Switches off the ranking of nodes. Every node is then judged, which is slower. The result is the
-    /// same, bit for bit.
+    /// Switches off the ranking of nodes by lower bounds of their values. A search then judges every node,
+    /// which is slower. The result is the same, bit for bit.
     #[must_use]
     pub fn unranked(mut self) -> Self {
         self.mapper.forget_ranks();
@@ -105,14 +106,15 @@ impl Workcell {
         self.mapper.keep_value_fields(compute);
     }
 
-    /// Restricts each map to the sense of its operation. Maps are then computed several times faster.
+    /// Restricts each map to errors in the sense of the operation. Errors in other senses are left out. Maps
+    /// are then computed several times faster.
     #[must_use]
     pub fn in_own_senses(mut self) -> Self {
         self.mapper.report_own_senses();
         self
     }
 
-    /// Returns whether the nodes of every operation are ranked before they are judged.
+    /// Returns whether the nodes of every operation can be ranked by lower bounds of their values.
     pub fn is_ranked(&self) -> bool {
         self.mapper.is_ranked()
     }
@@ -151,8 +153,8 @@ impl Workcell {
         self.mapper.inverse()
     }
 
-    /// Returns, for each operation, the order in which a search judges the postures of the operation. The
-    /// attitudes are those of the start layout.
+    /// Returns, for each operation, the order in which a search judges the postures of the operation. This
+    /// order depends on the required attitude. The function uses the attitudes of the start layout.
     pub fn posture_orders(&self) -> impl Iterator<Item = PostureOrder> + '_ {
         let attitudes = self.cell.operations.iter().map(|operation| &operation.attitude);
         attitudes.enumerate().map(|(k, attitude)| self.mapper.posture_order(k, attitude))

@@ -25,8 +25,8 @@ pub struct Guard {
 /// Reason why a posture cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PostureRefusal {
-    /// The posture, or a posture on its approach or retract line, is too near to a singularity. The
-    /// function [`singularity`] defines the measure.
+    /// The posture, or a posture on its approach or retract line, is too near to a singularity. The field
+    /// `measure` is the value of the function [`singularity`].
     Singular { measure: f64 },
     /// The straight line to the spot is blocked. Lengths along the line are measured from the spot.
     Approach(Hindrance),

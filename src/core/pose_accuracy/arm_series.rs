@@ -25,7 +25,7 @@ pub struct PoseAccuracy {
     pub worst: f64,
     /// Median, over all robots, of each robot's largest pose accuracy at the five poses.
     pub largest_pose: f64,
-    /// Median over the robots of the pose accuracy at each pose.
+    /// Median, over all robots, of the pose accuracy at each of the five poses.
     pub poses: [f64; 5],
 }
 

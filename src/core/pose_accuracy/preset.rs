@@ -63,7 +63,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.2,
         length_mm: 1.0,
         twist_deg: 0.04,
-        source: "our estimate. It gives a mean error of about 1.2 mm, which was measured on a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644). No built-in arm of this class could be checked",
+        source: "our estimate for a mean error of about 1.2 mm, which was measured on a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644). The estimate was not compared with measurements of a built-in arm",
     },
     ErrorPreset {
         name: "palletizer",
@@ -90,7 +90,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.5,
         length_mm: 2.0,
         twist_deg: 0.4,
-        source: "the predicted AP of a Franka Panda is 3 mm; published errors of Franka and KUKA arms before calibration are of the order of 10 mm (G. Franzese et al., MUKCa, arXiv 2503.12584, 2025), but they include the fit of base and tool; sizes and ratios of the tolerances are our estimate",
+        source: "the predicted AP of a Franka Panda is 3 mm; published errors of Franka and KUKA arms before calibration are of the order of 10 mm (G. Franzese et al., MUKCa, arXiv 2503.12584, 2025), but these errors include the errors of the fitted base and tool frames; sizes and ratios of the tolerances are our estimate",
     },
 ];
 

@@ -11,9 +11,16 @@
 //! distinguish horizontal directions. Errors before the first joint may act in horizontal directions. The
 //! bound replaces such errors by isotropic errors, or omits them. The last joint also needs no coordinate if
 //! its axis is the tool axis and passes through the measured point. The bound then uses the least
-//! contribution of the errors after this joint, over all rotations of the tool. For some signed samples, the
-//! first joint, the last joint or both joints need a coordinate. Some errors in the other readings also
-//! require these coordinates.
+//! contribution of the errors after this joint, over all rotations of the tool.
+//!
+//! In the following cases, among others, the first or the last joint needs a coordinate:
+//!
+//! - signed reading: an error moves the axis of the first joint, or acts after the last joint
+//! - worst-case reading of an arm with at most six joints: an error moves the axis of the first joint
+//! - statistical reading: an error that moves the axis of the first joint, or acts after the last joint, is
+//!   correlated with other errors
+//! - statistical reading with the mean as quantity: an error moves the axis of the first joint, or acts after
+//!   the last joint
 //!
 //! Branch and bound over the remaining coordinates reduces the gap between the lower bound and the least
 //! value found. The module has the following files:
@@ -260,7 +267,7 @@ impl Proof {
         }
         match self.covers {
             Covers::Everything => relaxed,
-            Covers::Part => format!("{relaxed}; counted as 0: {}", missing.join("; ")),
+            Covers::Part => format!("{relaxed}; these operations are counted as 0: {}", missing.join("; ")),
             Covers::Nothing => format!("no bound: {}", missing.join("; ")),
             Covers::Infeasible => format!("no layout is feasible: {}", missing.join("; ")),
         }

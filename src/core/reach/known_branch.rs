@@ -60,9 +60,9 @@ impl Inverse {
     /// # Errors
     /// If no branch has this index, returns the distance, m, by which the target is out of reach. The index
     /// encodes an attitude, and the value of a redundant joint. The distance holds for this attitude and this
-    /// value. For a planar arm, the distance is the least over all attitudes. If a redundant arm has a spin
-    /// between two sampled spins, the result may be a lower bound of the distance. The distance is 0 if other
-    /// branches exist, and infinite for the numeric solver.
+    /// value. For a planar arm, the distance is the least over all attitudes. If the index of a
+    /// redundant arm encodes a spin between two sampled spins, the result may be a lower bound of the
+    /// distance. The distance is 0 if other branches exist, and infinite for the numeric solver.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `inverse` | [`Inverse`], the only entry point: finds every branch of a target within the limits |
 //! | `known_branch` | posture of a branch whose index is known |
-//! | `solver`, `pose_solver`, `exact_solver` | choice of the solver, tested on the chain before use |
+//! | `solver`, `pose_solver`, `exact_solver` | choice of the solver, and its test on sampled postures |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
 //! | `general_six_axes` | all solutions for any six revolute axes, by elimination |

@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 /// Largest number of sources of one operation: parameters of the robot and of two pieces of equipment.
 pub const MAX_SOURCES: usize = MAX_ERRORS + 2 * PER_FRAME;
 
-/// Parameter of robot or equipment that has an error.
+/// Parameter that has an error; the parameter belongs to the robot or to equipment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
@@ -35,8 +35,8 @@ pub struct ErrorSource {
 }
 
 impl ErrorSource {
-    /// Returns whether a tolerance can be chosen for the source. A measured or correlated source has no such
-    /// tolerance.
+    /// Returns whether the source has a tolerance that a tolerance allocation can change. The result is false
+    /// for a measured or correlated source.
     pub fn is_own_tolerance(&self) -> bool {
         self.spread.is_some() && self.plus_minus > 0.0
     }
@@ -46,7 +46,7 @@ impl ErrorSource {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorSources {
     pub list: Vec<ErrorSource>,
-    /// Independent normal factors of correlated sources.
+    /// Independent random factors, normally distributed, that together give the errors of correlated sources.
     ///
     /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
     /// the factor.
@@ -146,8 +146,10 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the algorithm that computes the position error at the corners of the tolerance box. Returns
-    /// None if the algorithm does not support the sources.
+    /// Returns the algorithm that computes the position error at the corners of the tolerance box.
+    ///
+    /// Returns None for sources of equipment, for elastic or periodic errors, and for more than 128 sources.
+    /// Returns None also if one small motion of the chain depends on several sources.
     pub fn corner_walk(&self, chain: &Chain) -> Option<TwoValuedWalk> {
         let parameters: Option<Vec<usize>> = self.list.iter().map(|source| source.robot).collect();
         TwoValuedWalk::new(chain, &parameters?)

@@ -283,7 +283,8 @@ impl ErrorEvaluator {
         propagation.error(context, frames, &propagation.sample(values, model), model)
     }
 
-    /// Computes the first-order effects at a posture, from which the figures of every sense follow.
+    /// Computes the first-order effects and the mean error at a posture. The figures of every sense follow
+    /// from these two results.
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);

@@ -287,9 +287,11 @@ impl SampledPosture<'_> {
 /// source is E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Amer.
 /// Statist. Assoc. 22, 1927.
 ///
-/// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
-/// has a positive width even if the estimated share is 0 or 1. An interval computed from the scatter of
-/// repeated estimates would then have no width.
+/// An estimate from quasi-random points scatters less than an estimate from independent samples. The interval
+/// is therefore conservative for quasi-random points.
+///
+/// The interval has a positive width even if the estimated share is 0 or 1. If repeated estimates are all 0
+/// or all 1, an interval computed from their scatter has no width.
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

@@ -28,7 +28,8 @@ const SAME_POINT: f64 = 1e-6;
 
 /// Least-squares fit of the base frame to the TCP position errors over the workspace.
 ///
-/// The fit minimizes the mean square of the errors over all postures between the joint limits.
+/// The fit minimizes the mean square of the errors over all postures between the joint limits. The centre of
+/// the fit is the mean TCP position over these postures.
 #[derive(Debug, Clone)]
 pub struct BestFit {
     workspace: WorkspaceAverage,

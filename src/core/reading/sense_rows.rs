@@ -76,7 +76,8 @@ impl SenseRows {
         &self.arm
     }
 
-    /// Returns the Frobenius norm of the rows that measure the position, and the norm of the other rows.
+    /// Returns two Frobenius norms: one of the rows that measure position, then one of the rows that measure
+    /// rotation.
     pub fn weights(&self) -> [f64; 2] {
         [false, true].map(|turns| {
             let rows = self.rows[..self.count].iter().filter(|row| row.0 == turns);

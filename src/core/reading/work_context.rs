@@ -29,7 +29,8 @@ pub struct PickReference {
     pub effects: Effects,
 }
 
-/// All data that determine the error of an operation at a given posture.
+/// Work frame of an operation, and data of the pick of its part. The error of the operation at a posture
+/// depends on these data.
 #[derive(Debug, Clone)]
 pub struct WorkContext {
     pub site: WorkFrame,

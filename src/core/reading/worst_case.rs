@@ -13,7 +13,7 @@ pub struct WorstCase {
     /// Whether `linear` is the exact maximum. If the sense of the operation measures more than three
     /// components of the error and there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Largest error by the chosen model that a local search over the corners of the tolerance box finds. For
+    /// Largest error by the chosen model, found by a local search over the corners of the tolerance box. For
     /// the linear model, this value equals `linear`.
     pub by_model: f64,
     /// Sign of every source at the corner of the tolerance box where the largest error was found.
@@ -22,7 +22,9 @@ pub struct WorstCase {
 
 /// Returns the maximum of `|sum_k s_k g_k|` over all signs `s`, and writes the maximizing signs to `corner`.
 ///
-/// The `g_k` are the first `rows` components of `columns`: the effects of the sources at their tolerances.
+/// Column k of `columns` is the effect of source k at its tolerance. The vector `g_k` holds the first `rows`
+/// components of this column.
+///
 /// The maximum is the distance from the origin to the farthest vertex of a zonotope.
 pub fn farthest(
     columns: &[Vector6<f64>],

@@ -7,8 +7,8 @@
 //! The planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
 //! suffices to visit every cell:
 //!
-//! - 2-D: a direction rotates by half a turn, and the signs flip one after another in the order of the
-//!   angles.
+//! - 2-D: a direction rotates by half a turn. Whenever this direction is perpendicular to a generator, the
+//!   sign of the generator flips.
 //! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle. A walk along each
 //!   circle, as in 2-D, visits the cells on both sides (`circle_walk`). If all joint axes are parallel, every
 //!   generator lies in one plane or along its normal. Then a 2-D walk in this plane suffices.
@@ -78,7 +78,7 @@ pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     Farthest { value, upper: value }
 }
 
-/// Maximizes `|sum s_k g_k|` over the signs `s` in 2-D by one walk around the zonogon, and writes the signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 2-D by one walk around the zonotope, and writes the signs.
 pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);

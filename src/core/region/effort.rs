@@ -54,7 +54,7 @@ impl RegionEffort {
         self.fine_mm > Self::LOW.fine_mm
     }
 
-    /// Returns the resolution that suits a cell.
+    /// Returns the resolution for a cell. The resolution is coarser if the check of a placement takes longer.
     pub fn of(workcell: &Workcell) -> Self {
         let cell = &workcell.cell;
         let is_dear =

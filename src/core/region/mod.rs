@@ -142,8 +142,8 @@ pub struct RoomScale {
     pub poor: f64,
     /// Upper limit of the estimated room, m.
     pub widest: f64,
-    /// Whether a displaced piece is checked only with the operations that it carries. This check is several
-    /// times faster.
+    /// Whether the estimate checks only operations that move with the displaced piece of equipment. Such an
+    /// estimate is several times faster.
     pub is_rough: bool,
 }
 

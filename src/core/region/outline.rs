@@ -42,7 +42,7 @@ pub struct TwoLattices {
     pub coarse: i32,
 }
 
-/// Test of whether a point is inside the region. Each thread has its own working memory.
+/// Test of whether a point is inside the region. The test needs working memory, which threads must not share.
 pub trait Inside: Sync {
     type Memory: Default;
 

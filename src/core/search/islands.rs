@@ -14,8 +14,8 @@ use crate::layout::Workcell;
 use crate::units::rounded;
 use serde::{Deserialize, Serialize};
 
-/// Result of one island: one of several searches that differ only in their seeds. Floating-point numbers must
-/// be stored without rounding.
+/// Result of an island. An island is one of several searches that differ only in their seeds. Floating-point
+/// numbers must be stored without rounding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Island {
@@ -41,8 +41,8 @@ pub struct Island {
 pub struct IslandLayout {
     pub layout: Layout,
     pub cost: f64,
-    /// Loss in every goal ([`Goal::loss`]) of a Pareto search, rounded like the losses in the front. The list
-    /// is empty for any other search.
+    /// Loss in every goal ([`Goal::loss`]) of a Pareto search, rounded to nine decimal places. The list is
+    /// empty for any other search.
     pub losses: Vec<f64>,
 }
 

@@ -7,9 +7,10 @@
 //! evaluated points, even if the solver reports another layout. Equal cells, seeds and budgets give the same
 //! bytes for any number of threads.
 //!
-//! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible
-//! layout to a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist:
-//! the best layouts that differ clearly from each other. Front and shortlist are part of the record, and
+//! A Pareto search minimizes a scalarization: one number computed from all its goals. Every start or restart
+//! of the global solver minimizes a different scalarization. A Pareto search offers every feasible layout to
+//! a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist: the best
+//! layouts that differ clearly from each other. Front and shortlist are part of the record, and
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!

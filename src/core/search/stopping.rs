@@ -20,9 +20,9 @@ const POLISH_PART: f64 = 0.3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {
-    /// The budget was used up, or the final refinement converged.
+    /// The budget was used up, or the final refinement of the layouts found converged.
     Done,
-    /// The best layout is within the requested gap to the proven bound.
+    /// The objective of the best layout is within the requested gap from the proven lower bound.
     Gap,
     /// The requested number of evaluations brought no significant improvement. A significant improvement
     /// lowers the cost by more than 1e-6 of the cost, or adds a member to the Pareto front.

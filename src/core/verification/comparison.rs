@@ -38,7 +38,7 @@ pub struct MeasuredComparison {
     /// the error set are measured.
     ///
     /// The covariance of a calibration contains the misfit of the calibrated model. This misfit changes with
-    /// the posture.
+    /// the posture, and the second ellipsoid takes this change into account.
     pub coverage_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all poses; None if all predicted sizes are
     /// equal, or if all measured sizes are equal.
@@ -49,8 +49,9 @@ pub struct MeasuredComparison {
 }
 
 impl MeasuredComparison {
-    /// Compares a session with predicted errors. The poses are grouped into spots. The command positions of a
-    /// spot are within `spot` (m) of the first one along every axis.
+    /// Compares a session with predicted errors. The function also groups the poses by command position
+    /// ([`SpotRanking`]). Along every axis, all command positions of a group are within `spot` (m) of the
+    /// first command position of the group.
     ///
     /// # Errors
     /// Returns the reason why base and reflectors cannot be fitted.

@@ -8,12 +8,12 @@
 //!
 //! ```text
 //! measured    m_i = p_i - n_i
-//! predicted   d_i = e_i - M e
+//! predicted   d_i = e_i - M_i e
 //! covariance  C_i = (J_i - F_i K) C (J_i - F_i K)^T + s_i^2 I
 //! ```
 //!
-//! Here `e_i` is the position error that the mean errors of the parameters cause. The fit absorbs the part
-//! `M e` of this position error, where `e` lists the errors of all positions.
+//! Here `e_i` is the error of position i that the mean errors of the parameters cause. The vector `e` lists
+//! the errors of all positions. The fit absorbs the part `M_i e` of the error `e_i`.
 //!
 //! C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of
 //! the fitted base and reflectors on position i. The matrix K maps errors of the parameters to the changes of

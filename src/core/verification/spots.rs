@@ -41,9 +41,9 @@ impl SpotRanking {
     /// first one along every axis.
     ///
     /// The command position of a pose is either the nominal position of its reflector, or the nominal
-    /// position of the TCP of the cell (`tcp`, base frame, m). The function uses the choice that gives fewer
-    /// spots. A robot program commands the TCP, which is seldom at the reflector. Returns None if there are
-    /// no poses.
+    /// position of the TCP of the cell (`tcp`, base frame, m). The measured data do not state which of the
+    /// two points the robot program commanded. The function therefore uses the point that gives fewer spots.
+    /// Returns None if there are no poses.
     pub fn new(poses: &[ComparedPose], tcp: &[Vector3<f64>], distance: f64) -> Option<Self> {
         let of_reflector: Vec<[f64; 3]> = poses.iter().map(|pose| pose.nominal.into()).collect();
         let of_tcp: Vec<[f64; 3]> = tcp.iter().map(|p| (*p).into()).collect();

@@ -67,7 +67,7 @@ key_table! {
         SOURCE = super::SOURCE;
         ERRORS = text("errors", "Name of the robot's error set to evaluate.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
-        READING = word::<Reading>("reading", "Interpretation of the errors: one signed sample, the worst corner of tolerances, or random variables. If left out, it is worst-case if an error set in use is a tolerance, otherwise signed.");
+        READING = word::<Reading>("reading", "Interpretation of the errors: one signed sample, the worst corner of tolerances, or random variables. If left out, it is worst-case if an error set in use states tolerances, otherwise signed.");
         QUANTITY = word::<Quantity>("quantity", "Statistic that a search minimizes in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
         REGISTRATION = word::<Registration>("registration", "Frames that were measured with the robot itself: none, its base frame (least-squares fit to the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: threshold for the difference between an error model and the nonlinear model. Above it, reports warn that the model cannot be trusted.").default(Literal::Number(1.0));

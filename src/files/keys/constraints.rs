@@ -10,8 +10,8 @@ pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "number
 key_table! {
     margins, "margins", "Least distance of postures from joint limits and singular postures.", {
         TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
-        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints. If left out, it is 2 in a search for a layout to build.");
-        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Lower limit of the smallest singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build.").example("0.02");
+        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
+        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Lower limit of the smallest singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build, otherwise 0.").example("0.02");
     }
 }
 

@@ -166,7 +166,7 @@ key_table! {
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
         DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
         DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
-        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: a rotation about y after the row's Tx(l) Rx(alpha) and before the error of the joint frame that follows; one for each joint.");
+        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint. Each error is a rotation about y after Tx(l) Rx(alpha) of the row. The error of the next joint frame follows this rotation.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames. Each error moves its joint and everything after the joint. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");

@@ -21,10 +21,12 @@ use crate::calibration::RawMeasurement;
 use columns::{FoundColumns, TableNames};
 use grid::FieldGrid;
 
-/// Table of measured positions as the file states them, without conversion of units.
+/// Table of measured positions. All lengths have the unit of the position columns, but centimetres and
+/// micrometres become millimetres. Angles are in the units of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredTable {
-    /// Numbers of the file: joint coordinates and positions in the units of the file.
+    /// Joint coordinates and positions. Lengths are in [`Self::length_unit`], and angles in
+    /// [`Self::angle_unit`].
     pub rows: Vec<RawMeasurement>,
     /// Names of the columns of the joints.
     pub joints: Vec<String>,

@@ -58,7 +58,7 @@ fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     let said = match (has_ring(false), has_ring(true)) {
         (true, false) => Some("chosen spot"),
         (false, true) => Some("worst node"),
-        (true, true) => Some("chosen spot, or worst node of an operation at every node"),
+        (true, true) => Some("chosen spot, or worst node if an operation happens at every node"),
         (false, false) => None,
     };
     entries.extend(said.map(|said| spot(signs::spot((0.0, 0.0)), said)));

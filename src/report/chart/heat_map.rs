@@ -25,9 +25,9 @@ const MAX_TITLES: usize = 400;
 
 /// Draws the error map of one operation for one sense, under one model and reading.
 ///
-/// `field` is an index into [`Drawing::fields`], `take` is an index into [`Field::takes`], and `sense` is an
-/// index into [`Field::senses`]. The colours span `range` (m or rad), which several maps may share. The axes
-/// of the plot are the axes of the work surface.
+/// `field` is the index of the operation's map in [`Drawing::fields`]. `take` is the index of the model and
+/// reading in [`Field::takes`]. `sense` is an index into [`Field::senses`]. The colours span `range` (m or
+/// rad), which several maps may share. The axes of the plot are the axes of the work surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);

@@ -99,7 +99,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
     told.push(format!("{on} may be misplaced by at most {shift}, or {turn}"));
     if let Some(scale) = &r.scale {
         let times = most(scale, &|v| format!("{} times the placement tolerances", words::figure(v)));
-        told.push(format!("all bodies misplaced together: at most {times}"));
+        told.push(format!("all pieces misplaced together: at most {times}"));
     }
     told
 }

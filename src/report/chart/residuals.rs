@@ -25,7 +25,10 @@ pub fn residuals(file: &ComparedFile) -> String {
     // Large residuals are drawn last, so that no large residual is hidden.
     drawn.sort_by(|a, b| a.residual_mm.total_cmp(&b.residual_mm));
     let heading = format!("{}: residuals of the prediction", shown(&file.file));
-    let mut told = vec!["size of measured minus predicted error, base frame of the robot".to_string()];
+    let mut told = vec![
+        "colour: size of measured minus predicted error; positions in the base frame of the robot"
+            .to_string(),
+    ];
     if every > 1 {
         told.push(format!("one in {every} positions is drawn"));
     }

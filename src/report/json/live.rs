@@ -32,7 +32,8 @@ fn in_file(slot: Slot, si: f64) -> f64 {
     length(if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) })
 }
 
-/// Returns the part of a cell that does not depend on the layout.
+/// Returns the data of a cell that do not depend on the layout. The data are names, search settings,
+/// outlines, and the coordinates that the page can change.
 pub fn form(cell: &Cell) -> FormRecord<'_> {
     let defined = cell.senses.iter().map(|s| s.name.as_str());
     let equipment = cell.equipment.iter().map(|e| FormEquipment {

@@ -17,8 +17,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SearchFacts {
     pub gap_percent: Option<f64>,
-    /// Clearance from search.json, mm: least distance between robot and other objects or between two floor
-    /// spaces.
+    /// Clearance that the layout has according to search.json, mm. The clearance is the least distance
+    /// between robot and other objects or between two floor spaces.
     pub clearance_mm: Option<f64>,
 }
 

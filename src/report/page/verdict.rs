@@ -250,13 +250,15 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         }
         false if r.is_unproven() => {
             let most = quantity(unit, r.limit - r.margin);
-            let why = format!("over all misplacements, the only proven bound of its error is {most}");
+            let why = format!("over all misplacements, its error is only proven to be at most {most}");
             ("not guaranteed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.
-        true if unit == Unit::Cost => {
-            ("met", format!("{name} stays within its limit (tightest tolerances: {limit})"), FactMood::Good)
-        }
+        true if unit == Unit::Cost => (
+            "met",
+            format!("{name} stays within its limit (cost of the tightest tolerances: {limit})"),
+            FactMood::Good,
+        ),
         false if unit == Unit::Cost => {
             ("missed", format!("{name} exceeds its limit even with the tightest tolerances"), FactMood::Bad)
         }

@@ -87,7 +87,7 @@ fn room(a: &Assessment<'_>) -> String {
     }
     let mut table = TextTable::new(1);
     table.row([
-        "room to place at the same spots",
+        "room to place (spots unchanged)",
         "mm",
         "deg",
         "z mm from the base",

@@ -129,7 +129,8 @@ fn outlier_rows(file: &str, outliers: &[OutlierRow]) -> String {
     )
 }
 
-/// Returns the errors that a file states, parameter by parameter.
+/// Returns the errors of a finished calibration, parameter by parameter. `source` names the file that states
+/// this calibration.
 pub fn stated_calibration(document: &CalibrationDocument, source: &str) -> String {
     let mut out = format!("{}: errors stated by {}\n\nParameters\n", shown(&document.robot), shown(source));
     let mut parameters = TextTable::indented(1);

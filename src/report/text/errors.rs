@@ -15,8 +15,9 @@ pub fn presets(presets: &[ErrorPreset]) -> String {
         let numbers = [p.zero_deg, p.zero_mm, p.length_mm, p.twist_deg].map(|n| n.to_string());
         table.row([p.name.to_string()].into_iter().chain(numbers));
     }
-    let mut out =
-        String::from("GUESSES for arms without measurements: half widths of normal tolerances, 3 sigma\n\n");
+    let mut out = String::from(
+        "GUESSES for arms without measurements: half widths of normally distributed tolerances, 3 sigma\n\n",
+    );
     out.push_str(&table.render());
     out.push('\n');
     for p in presets {

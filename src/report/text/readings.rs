@@ -70,7 +70,7 @@ fn table(rows: &[ReadingRow]) -> String {
     table.render()
 }
 
-/// Returns the findings of the tables in sentences.
+/// Returns sentences on the regret of the signed sample and on the effect of the registration.
 pub fn findings(r: &Readings<'_>) -> Vec<String> {
     regret(r).into_iter().chain(registered(r)).collect()
 }

@@ -87,7 +87,7 @@ fn searched(
     let mut record = search_from(stored.as_ref().map(|stored| &stored.state));
     if record.ended == SearchEnd::Diverged {
         checkpoint.tell_useless(
-            "this program does not reproduce the steps of the search; another build or machine wrote it",
+            "this program cannot reproduce the search, because another build or machine wrote the checkpoint",
         );
         record = search_from(None);
     }

@@ -96,11 +96,12 @@ impl OffsetWrist {
     /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. Let P be the intersection of axes 4 and 5. If the first three joints cannot reach P for any
-    /// scanned theta_6, the measure is a distance. It is the least distance between P and the points that
-    /// these joints reach. Otherwise the measure is the least difference of two cosines over all scanned
-    /// theta_6, times the forearm length r_4. The first cosine is that of the angle between axes 4 and 5. The
-    /// second cosine is the required value, cos alpha_4.
+    /// reach. Let P be the intersection of axes 4 and 5. The solver scans theta_6, which determines the
+    /// required position of P. If the first three joints cannot reach P at any scanned theta_6, the measure
+    /// is a distance. It is the least distance between P and the points that these joints reach. Otherwise
+    /// the measure is the least difference of two cosines over all scanned theta_6, times the forearm length
+    /// r_4. The first cosine is that of the angle between axes 4 and 5. The second cosine is the required
+    /// value, cos alpha_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

@@ -21,7 +21,7 @@ const ALONE_WEIGHT: f64 = 2.1;
 pub enum NormLaw<'a> {
     /// No bounded parameter dominates: `e` is nearly normal.
     NearlyNormal(NormDistribution),
-    /// Bounded parameters dominate.
+    /// Bounded parameters dominate: `e` is not nearly normal.
     Bounded(ConditionalNorm<'a>),
 }
 
