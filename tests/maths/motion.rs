@@ -561,7 +561,7 @@ fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
     let there = placed(&cell, &scene);
     let near = |wrist: f64| [0.2, -1.2, 1.4, -1.8, -1.5, wrist, 0.0, 0.0];
     let stances = [3.0, -3.0, 1.0].map(|w| OperationPosture { operation: 0, joints: near(w) });
-    let ways = guard.transfers(&scene, &there, &stances, None).unwrap();
+    let ways = guard.transfers(&scene, &there, &stances, &|_| None, None).unwrap();
     let short = std::f64::consts::TAU - 6.0;
     assert!((ways[0].travel - short).abs() < 1e-12, "{}", ways[0].travel);
     assert!((ways[0].arrival[5] - (3.0 + short)).abs() < 1e-12);

@@ -27,7 +27,7 @@ pub(super) enum ContactVerdict {
 }
 
 /// Capsule that equals or contains a solid: all points within `radius` of the segment from `a` to `b`, m.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BoundingCapsule {
     pub(super) a: Vector3<f64>,
     pub(super) b: Vector3<f64>,

@@ -10,12 +10,14 @@
 //! between the nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
+use super::bounding_capsule::BoundingCapsule;
 use super::contact::Hit;
 use super::pairs::{Against, Load, Pair};
 use super::placed_solids::{LinkFrames, PlacedSolid, PlacedSolids};
 use super::robot_solids::RobotSolid;
 use super::scene::{Scene, swallows};
 use crate::pose::Pose;
+use nalgebra::Vector3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math as pm;
 use parry3d::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher};
@@ -36,6 +38,35 @@ pub struct Nearness {
     pub distance: f64,
     /// The two nearest solids; None if no pair is nearer than the argument `max` of the query.
     pub pair: Option<Hit>,
+}
+
+/// Bounds of a robot solid without the clearance, in the world: bounding capsule and axis-aligned bounding box.
+///
+/// The bounds are kept from pair to pair, because successive pairs often have a solid of the robot in common.
+#[derive(Default)]
+pub struct LinkBounds {
+    /// Index of the robot solid; None before the first pair.
+    link: Option<usize>,
+    capsule: BoundingCapsule,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+}
+
+impl LinkBounds {
+    /// Computes the bounds of another robot solid, unless they are already here.
+    fn update(&mut self, scene: &Scene, placed: &PlacedSolids, frames: &LinkFrames, link: usize) {
+        if self.link != Some(link) {
+            let solid = &scene.links[link];
+            let capsule = solid.bare_capsule(&placed.in_world(solid.carrier(frames)));
+            let (low, high) = capsule.bounds();
+            *self = Self { link: Some(link), capsule, low, high };
+        }
+    }
+
+    /// Returns whether the bounding boxes show that a placed solid is at least `distance` (m) away.
+    fn is_beyond(&self, other: &PlacedSolid, distance: f64) -> bool {
+        (0..3).any(|i| self.low[i] - other.high[i] >= distance || other.low[i] - self.high[i] >= distance)
+    }
 }
 
 impl Scene {
@@ -105,11 +136,25 @@ impl Scene {
     ///
     /// Every point of the first solid may move by at most `by` (m).
     ///
-    /// Two solids of the robot must not touch, but need no clearance.
-    pub fn is_apart(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, by: f64) -> bool {
+    /// Two solids of the robot must not touch, but need no clearance. `memory` belongs to one posture of one
+    /// layout.
+    pub fn is_apart(
+        &self,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        memory: &mut LinkBounds,
+        pair: Pair,
+        by: f64,
+    ) -> bool {
         let clearance = if pair.partner().is_some() { 0.0 } else { self.clearance };
         let wanted = clearance + by + ACCURACY;
-        let (bound, is_exact) = self.capsule_gap(placed, frames, pair);
+        memory.update(self, placed, frames, pair.link);
+        if let Against::Placed(k) = pair.against
+            && memory.is_beyond(&placed.bodies[k], wanted)
+        {
+            return true;
+        }
+        let (bound, is_exact) = self.capsule_gap(placed, frames, memory, pair);
         if bound >= wanted || is_exact {
             return bound >= wanted;
         }
@@ -127,27 +172,29 @@ impl Scene {
     }
 
     /// Returns a lower bound of the distance between the solids of a pair, m, and whether the bound equals
-    /// the distance.
+    /// the distance. `bounds` are those of the first solid.
     ///
     /// Closed forms give the distance of the bounding capsules from boxes, from each other and from the
     /// floor. The closed forms cost far less than [`Self::gap`].
-    fn capsule_gap(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair) -> (f64, bool) {
+    fn capsule_gap(
+        &self,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        bounds: &LinkBounds,
+        pair: Pair,
+    ) -> (f64, bool) {
         let link = &self.links[pair.link];
-        let frame = link.carrier(frames);
         match pair.against {
-            Against::Floor => {
-                let low = link.bare_capsule(&placed.in_world(frame)).bounds().0.z;
-                (low - self.floor, link.core.is_solid)
-            }
+            Against::Floor => (bounds.low.z - self.floor, link.core.is_solid),
             Against::Placed(k) => {
                 let other = &placed.bodies[k];
-                let capsule = link.bare_capsule(&placed.in_world(frame)).seen_from(&other.pose);
-                (capsule.gap_to_box(&other.bounds), link.core.is_solid && other.bounds.is_solid)
+                let gap = bounds.capsule.seen_from(&other.pose).gap_to_box(&other.bounds);
+                (gap, link.core.is_solid && other.bounds.is_solid)
             }
             Against::Own(other) => {
                 let other = &self.links[other];
-                let gap = link.bare_capsule(frame).gap_to(&other.bare_capsule(other.carrier(frames)));
-                (gap, link.core.is_solid && other.core.is_solid)
+                let (capsule, there) = (link.bare_capsule(link.carrier(frames)), other.carrier(frames));
+                (capsule.gap_to(&other.bare_capsule(there)), link.core.is_solid && other.core.is_solid)
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::bounding_capsule::overlapping;
 use super::contact::Hit;
+use super::distance::LinkBounds;
 use super::pairs::{Against, Load, Pair};
 use super::placed_solids::{LinkFrames, LinkPoses, PlacedSolids};
 use super::robot_solids::RobotSolid;
@@ -44,7 +45,8 @@ impl Scene {
             return None;
         }
         let load = Load::of(Some(operation));
-        let is_safe = |pair: Pair, by: f64| self.is_apart(placed, frames, pair, by);
+        let mut memory = LinkBounds::default();
+        let mut is_safe = |pair: Pair, by: f64| self.is_apart(placed, frames, &mut memory, pair, by);
         let poses = LinkPoses { frames, base: placed.base.as_ref() };
         let there = |link: &RobotSolid| load.has(link) && !link.is_pedestal();
         for (k, link) in self.links.iter().enumerate().filter(|(_, link)| there(link)) {

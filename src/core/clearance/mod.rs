@@ -42,7 +42,7 @@ pub use arm_part::ArmPart;
 pub use bounding_sphere::BoundingSphere;
 pub use contact::{Hit, SolidRef};
 pub use convex_decomposition::Remember;
-pub use distance::{ACCURACY, Nearness};
+pub use distance::{ACCURACY, LinkBounds, Nearness};
 pub use floor_plan::{FloorPlan, Separation};
 pub use margin::SolidMotion;
 pub use overlap::{Overlap, Party};

@@ -9,7 +9,7 @@ use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::certificate::{BoxedPosture, JointEnclosure, NotCertified, PostureMotion, TargetBox};
 use crate::clearance::{Load, SolidMotion};
-use crate::motion::{DEVIATION, Hindrance, PathSlack, Stopped, first_hit};
+use crate::motion::{DEVIATION, Hindrance, LineEnds, PathSlack, Stopped, first_hit};
 use crate::reach::{Branch, ToolTask};
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
@@ -52,7 +52,7 @@ impl OperationQuery<'_> {
         {
             return Err(NotCertified::Clearance(hit));
         }
-        self.certify_lines(&nominal, demand)?;
+        self.certify_lines(&nominal, demand, &mut memory.lines)?;
         Ok(self.bound(&nominal, &joints, demand, memory))
     }
 
@@ -186,8 +186,14 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Certifies the straight lines of approach and retract.
-    fn certify_lines(&self, nominal: &Nominal, demand: &Demand<'_>) -> Result<(), NotCertified> {
+    /// Certifies the straight lines of approach and retract. `lines` receives the ends of certified lines if
+    /// transfers need them.
+    fn certify_lines(
+        &self,
+        nominal: &Nominal,
+        demand: &Demand<'_>,
+        lines: &mut Vec<LineEnds>,
+    ) -> Result<(), NotCertified> {
         let Some(guard) = &self.placed.mapper.guard else { return Ok(()) };
         let (approach, retract) = guard.approach_and_retract(self.operation);
         let length = approach.max(retract);
@@ -206,7 +212,12 @@ impl OperationQuery<'_> {
         let aside = 2.0 * DEVIATION + nominal.reach.yaw * length;
         let between = |link: usize, equipment: usize| Some(motion.between(link, equipment)? + aside);
         let load = Load::of(Some(self.operation));
-        self.certify_path(&knots, &deviations, load, demand, Some(&between))
+        self.certify_path(&knots, &deviations, load, demand, Some(&between))?;
+        if guard.asks_transfers() {
+            let end = |line: f64| knots.last().copied().filter(|_| line == length);
+            lines.push(LineEnds { spot: nominal.joints, approach: end(approach), retract: end(retract) });
+        }
+        Ok(())
     }
 
     /// Returns the largest deviations of the D-H coordinates (rad or m) from the nominal path, one entry per

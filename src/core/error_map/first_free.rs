@@ -8,7 +8,7 @@ use super::walk::OperationQuery;
 use super::workspace::PostureMemory;
 use crate::certificate::NotCertified;
 use crate::clearance::ArmPart;
-use crate::motion::PostureRefusal;
+use crate::motion::{LineEnds, PostureRefusal};
 use crate::reach::{Branch, Cost};
 use crate::robot::Posture;
 use nalgebra::Vector3;
@@ -88,7 +88,7 @@ impl OperationQuery<'_> {
             // A certified posture is also allowed by the motion rules.
             let refusal = match self.placed.demand.is_some() && uncertainty.is_none() {
                 true => None,
-                false => self.refusal(branch.as_ref()),
+                false => self.refusal(branch.as_ref(), &mut memory.lines),
             };
             match (refusal, uncertainty) {
                 (None, None) => {
@@ -118,7 +118,7 @@ impl OperationQuery<'_> {
         match self.placed.demand {
             // A certified posture is also allowed by the motion rules.
             Some(_) => self.uncertainty(&candidate.target, branch, memory).is_none(),
-            None => self.refusal(branch.as_ref()).is_none(),
+            None => self.refusal(branch.as_ref(), &mut memory.lines).is_none(),
         }
     }
 
@@ -165,11 +165,15 @@ impl OperationQuery<'_> {
     }
 
     /// Returns the reason why the motion rules refuse a collision-free posture; None if they allow the
-    /// posture.
-    fn refusal(&self, branch: Option<&Branch>) -> Option<PostureRefusal> {
+    /// posture. `lines` receives the ends of the lines of an allowed posture if transfers need them.
+    fn refusal(&self, branch: Option<&Branch>, lines: &mut Vec<LineEnds>) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|_| self.asks_postures())?;
-        guard.admits(&mapper.scene, solids, self.operation, &branch?.joints).err()
+        match guard.admits(&mapper.scene, solids, self.operation, &branch?.joints) {
+            Ok(ends) => lines.extend(guard.asks_transfers().then_some(ends)),
+            Err(refusal) => return Some(refusal),
+        }
+        None
     }
 
     /// Returns whether the motion rules check the postures of the operation.
@@ -193,7 +197,7 @@ impl OperationQuery<'_> {
         let collision = hit.map(|hit| Status::Collision { hit });
         collision.or_else(|| {
             let branch = self.asks_postures().then(|| self.branch_at(target, branch)).flatten();
-            self.refusal(branch.as_ref()).map(Status::Refused)
+            self.refusal(branch.as_ref(), &mut Vec::new()).map(Status::Refused)
         })
     }
 

@@ -16,7 +16,8 @@ impl PlacedLayout<'_> {
     /// If the layout must withstand misplacements, every transfer is certified.
     ///
     /// No transfers are returned if the cell has no transfer rules, or if an operation has no spot. See
-    /// [`Self::stops`] for the argument `every`.
+    /// [`Self::stops`] for the argument `every`. `workspace` holds the ends of the approach and retract lines
+    /// that were checked before.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
@@ -24,6 +25,7 @@ impl PlacedLayout<'_> {
         &self,
         spots: &[Option<Spot>],
         every: &[Option<Vec<Spot>>],
+        workspace: &MapperWorkspace,
     ) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
@@ -35,7 +37,8 @@ impl PlacedLayout<'_> {
                 }
             });
             let check = check.as_ref().map(|check| check as PathCheck<'_>);
-            guard.transfers(&self.mapper.scene, &self.solids, &stops, check)
+            let known = |stop: &OperationPosture| workspace.line_ends(stop.operation, &stop.joints);
+            guard.transfers(&self.mapper.scene, &self.solids, &stops, &known, check)
         })
     }
 

@@ -6,7 +6,9 @@ use super::mapper::Mapper;
 use super::node_ranking::NodeRanking;
 use super::operation_setup::ValueScratch;
 use crate::allocation::FigureScratch;
+use crate::cell::JointVector;
 use crate::clearance::ContactMemory;
+use crate::motion::LineEnds;
 use crate::reach::ToolAttitudes;
 use crate::robot::{Frames, Posture};
 
@@ -51,6 +53,8 @@ pub struct PostureMemory {
     pub frames: Frames,
     pub contacts: ContactMemory,
     pub counts: WalkCounts,
+    /// Ends of the approach and retract lines of the usable postures found since the memory was last lent.
+    pub lines: Vec<LineEnds>,
     /// Buffer into which the inverse kinematics writes a posture.
     pub posture: Posture,
     /// First members of the spin families found so far ([`super::candidate::PostureCandidate::first`]).
@@ -72,6 +76,7 @@ impl PostureMemory {
             frames: Frames::default(),
             contacts: ContactMemory::default(),
             counts: WalkCounts::default(),
+            lines: Vec::new(),
             posture: mapper.inverse().scratch(),
             firsts: Vec::new(),
             opened: Vec::new(),
@@ -94,6 +99,11 @@ impl MapperWorkspace {
         self.postures.iter().map(|memory| memory.counts).sum()
     }
 
+    /// Returns the ends of the approach and retract lines at a posture; None if they are not known.
+    pub(super) fn line_ends(&self, operation: usize, joints: &JointVector) -> Option<LineEnds> {
+        self.postures.get(operation)?.lines.iter().find(|ends| ends.spot == *joints).copied()
+    }
+
     /// Lends the memory of one operation. Missing memory is created first.
     pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> WalkMemory<'_> {
         for missing in self.postures.len()..=operation {
@@ -102,6 +112,7 @@ impl MapperWorkspace {
         let Self { candidates, families, ranking, postures, .. } = self;
         let postures = &mut postures[operation];
         postures.posture = mapper.inverse().scratch();
+        postures.lines.clear();
         WalkMemory { candidates, families, ranking, postures }
     }
 }

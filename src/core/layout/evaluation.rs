@@ -6,7 +6,7 @@ use super::workcell::Workcell;
 use crate::cell::{Cell, Layout, Misfit};
 use crate::certificate::Misplacements;
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{Outcome, PlacedLayout, Spot, Unjudged, WalkCounts};
+use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot, Unjudged, WalkCounts};
 use crate::motion::{Blocked, Transfer};
 
 /// Penalty of every infeasible layout, as a multiple of [`Workcell::weight`].
@@ -131,7 +131,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
     let operations = Operations::evaluate(workcell, &placed, memory);
     let overlaps = found.clone();
-    let (transfers, blocked) = transfers(&placed, &overlaps, &operations);
+    let (transfers, blocked) = transfers(&placed, &overlaps, &operations, memory.mapper());
     let depth = overlaps.iter().map(|o| o.depth).sum::<f64>().max(near.iter().map(|o| o.depth).sum());
     let Operations { outcomes, spots, every_node, values, most, lost } = operations;
     let is_apart = depth == 0.0;
@@ -196,11 +196,12 @@ fn transfers(
     placed: &PlacedLayout<'_>,
     overlaps: &[Overlap],
     Operations { spots, every_node, .. }: &Operations,
+    workspace: &MapperWorkspace,
 ) -> (Vec<Transfer>, Option<Blocked>) {
     if !overlaps.is_empty() {
         return (Vec::new(), None);
     }
-    match placed.transfers(spots, every_node) {
+    match placed.transfers(spots, every_node, workspace) {
         Ok(transfers) => (transfers, None),
         Err(blocked) => (Vec::new(), Some(blocked)),
     }

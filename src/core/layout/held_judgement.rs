@@ -194,7 +194,7 @@ impl Judgement<'_> {
         }
         if !self.is_estimate {
             let every: Vec<_> = values.iter().map(|v| v.every_node.clone()).collect();
-            self.placed.transfers(spots, &every).map_err(Ending::Transfer)?;
+            self.placed.transfers(spots, &every, bounds).map_err(Ending::Transfer)?;
         }
         Ok(())
     }

@@ -10,7 +10,7 @@
 
 use super::motion_bounds::MotionBounds;
 use crate::cell::{JointVector, MAX_JOINTS};
-use crate::clearance::{Hit, Load, Pair, PlacedSolids, Scene};
+use crate::clearance::{Hit, LinkBounds, Load, Pair, PlacedSolids, Scene};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
@@ -132,11 +132,11 @@ impl<'w> PathQuery<'w> {
         let middle = (last - first) / 2;
         let bounds = MotionBounds::from_middle(self.chain, knots, middle);
         let frames = self.frames(&knots[middle]);
-        let mut count = 0;
+        let (mut count, mut memory) = (0, LinkBounds::default());
         for (k, ApproachingPair { pair, by, slack, .. }) in
             self.approaching(&bounds, first, last, pairs).into_iter().enumerate()
         {
-            if !self.scene.is_apart(self.placed, &frames, pair, by + slack) {
+            if !self.scene.is_apart(self.placed, &frames, &mut memory, pair, by + slack) {
                 pairs.swap(count, k);
                 count += 1;
             }
@@ -205,7 +205,7 @@ impl<'w> PathQuery<'w> {
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let frames = self.frames(&between(&self.knots[first], &self.knots[first + 1], middle));
         let spheres = self.scene.bounding_spheres();
-        let (mut count, mut fastest) = (0, 0.0);
+        let (mut count, mut fastest, mut memory) = (0, 0.0, LinkBounds::default());
         let mut known = None;
         for k in 0..pairs.len() {
             let ApproachingPair { pair, by, slack, .. } = pairs[k];
@@ -216,7 +216,7 @@ impl<'w> PathQuery<'w> {
                 _ => bounds.displacement_around(&frames, &spheres[of.0], of.1, half, by),
             };
             known = Some((of, by));
-            if !self.scene.is_apart(self.placed, &frames, pair, by + slack) {
+            if !self.scene.is_apart(self.placed, &frames, &mut memory, pair, by + slack) {
                 pairs.swap(count, k);
                 count += 1;
                 fastest = f64::max(fastest, by);

@@ -44,6 +44,17 @@ pub enum Hindrance {
     Stopped(Stopped),
 }
 
+/// Joint vectors (rad or m) at the far ends of the straight lines that end or begin at a posture.
+#[derive(Debug, Clone, Copy)]
+pub struct LineEnds {
+    /// Joint vector at the spot.
+    pub spot: JointVector,
+    /// Start of the approach; None if it was not computed.
+    pub approach: Option<JointVector>,
+    /// End of the retract; None if it was not computed.
+    pub retract: Option<JointVector>,
+}
+
 impl Guard {
     /// Returns the motion rules of a cell; None if the cell has no motion rules.
     pub fn new(cell: &Cell) -> Option<Self> {
@@ -61,7 +72,8 @@ impl Guard {
         self.singularity > 0.0 || self.lengths[operation] != (0.0, 0.0)
     }
 
-    /// Checks that a collision-free posture can be used for an operation. Cheap checks come first.
+    /// Checks that a collision-free posture can be used for an operation. Cheap checks come first. Returns
+    /// the ends of the lines that were checked.
     ///
     /// # Errors
     /// Returns the reason if the posture cannot be used.
@@ -71,31 +83,30 @@ impl Guard {
         placed: &PlacedSolids,
         operation: usize,
         joints: &JointVector,
-    ) -> Result<(), PostureRefusal> {
+    ) -> Result<LineEnds, PostureRefusal> {
         self.regular(joints)?;
         let (approach, retract) = self.lengths[operation];
         let load = Load::of(Some(operation));
         // The approach line is checked in reverse, from the spot, like the retract line.
-        let back = |length: f64| -> Result<Option<Hindrance>, PostureRefusal> {
-            let knots = match self.back(joints, length) {
-                Ok(knots) => knots,
-                Err(stopped) => return Ok(Some(Hindrance::Stopped(stopped))),
-            };
+        let back = |length: f64, refusal: fn(Hindrance) -> PostureRefusal| {
+            let knots = self.back(joints, length).map_err(|stopped| refusal(Hindrance::Stopped(stopped)))?;
             knots[1..].iter().try_for_each(|q| self.regular(q))?;
-            Ok(self.first_hit(scene, placed, &knots, load).map(Hindrance::Hit))
+            match self.first_hit(scene, placed, &knots, load) {
+                Some(hit) => Err(refusal(Hindrance::Hit(hit))),
+                None => Ok(knots.last().copied()),
+            }
         };
-        if retract > 0.0
-            && let Some(hindrance) = back(retract)?
-        {
-            return Err(PostureRefusal::Retract(hindrance));
+        let mut ends = LineEnds { spot: *joints, approach: None, retract: None };
+        if retract > 0.0 {
+            ends.retract = back(retract, PostureRefusal::Retract)?;
         }
         // The longer line contains the shorter one.
-        if approach > retract
-            && let Some(hindrance) = back(approach)?
-        {
-            return Err(PostureRefusal::Approach(hindrance));
+        if approach > retract {
+            ends.approach = back(approach, PostureRefusal::Approach)?;
+        } else if approach == retract {
+            ends.approach = ends.retract;
         }
-        Ok(())
+        Ok(ends)
     }
 
     /// Returns whether a posture is one of the via postures of the transfer rules.

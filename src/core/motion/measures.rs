@@ -77,8 +77,9 @@ pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> boo
 fn gram(chain: &Chain, jacobian: &ScaledJacobian) -> Matrix6<f64> {
     let mut gram = Matrix6::identity();
     for (a, j) in moving_joints(chain).enumerate() {
-        for (b, k) in moving_joints(chain).enumerate() {
-            gram[(a, b)] = jacobian.column(j).dot(&jacobian.column(k));
+        for (b, k) in moving_joints(chain).enumerate().take(a + 1) {
+            let product = (0..6).map(|row| jacobian[(row, j)] * jacobian[(row, k)]).sum();
+            (gram[(a, b)], gram[(b, a)]) = (product, product);
         }
     }
     gram

@@ -13,9 +13,9 @@ mod straight_line;
 mod transfer;
 
 pub use continuous_collision::{PathHit, PathSlack, RESOLUTION, first_hit};
-pub use guard::{Guard, Hindrance, PostureRefusal};
+pub use guard::{Guard, Hindrance, LineEnds, PostureRefusal};
 pub use measures::{Measures, measures, singularity};
 pub use straight_line::{DEVIATION, Stopped, straight};
 pub use transfer::{
-    Blocked, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel, nearest_turns,
+    Blocked, KnownLines, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel, nearest_turns,
 };

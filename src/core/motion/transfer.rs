@@ -1,6 +1,6 @@
 //! Transfers: collision-free paths from one operation to the next.
 
-use super::guard::{Guard, Hindrance};
+use super::guard::{Guard, Hindrance, LineEnds};
 use super::straight_line::straight;
 use crate::cell::{JointKind, JointVector};
 use crate::clearance::{Load, PlacedSolids, Scene};
@@ -70,6 +70,9 @@ pub struct Blocked {
 /// The check returns the hindrance if the path cannot be used.
 pub type PathCheck<'a> = &'a dyn Fn([usize; 2], &[JointVector], Load) -> Result<(), Hindrance>;
 
+/// Returns the ends of the straight lines at a posture; None if they were not computed before.
+pub type KnownLines<'a> = &'a dyn Fn(&OperationPosture) -> Option<LineEnds>;
+
 impl Guard {
     /// Returns whether transfers between operations are checked.
     pub fn asks_transfers(&self) -> bool {
@@ -79,7 +82,8 @@ impl Guard {
     /// Returns the transfers between consecutive operations. In a cycle, the transfer from the last
     /// operation to the first is added.
     ///
-    /// The list is empty if the cell has no transfer rules.
+    /// The list is empty if the cell has no transfer rules. `known` returns the ends of the lines at a posture
+    /// if they were computed before.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
@@ -88,6 +92,7 @@ impl Guard {
         scene: &Scene,
         placed: &PlacedSolids,
         stances: &[OperationPosture],
+        known: KnownLines<'_>,
         check: Option<PathCheck<'_>>,
     ) -> Result<Vec<Transfer>, Blocked> {
         let mut found: Vec<Transfer> = Vec::new();
@@ -98,13 +103,13 @@ impl Guard {
                 joints: nearest_turns(&self.chain, &here.joints, &context.joints),
                 ..*context
             };
-            found.push(self.transfer(scene, placed, &here, &next, check)?);
+            found.push(self.transfer(scene, placed, [&here, &next], known, check)?);
             here = next;
         }
         if rules.cycle && stances.len() > 1 {
             // The last transfer ends at the joint angles of the start, so that repeated cycles add no whole
             // turns.
-            found.push(self.transfer(scene, placed, &here, first, check)?);
+            found.push(self.transfer(scene, placed, [&here, first], known, check)?);
         }
         Ok(found)
     }
@@ -120,14 +125,17 @@ impl Guard {
         &self,
         scene: &Scene,
         placed: &PlacedSolids,
-        from: &OperationPosture,
-        to: &OperationPosture,
+        [from, to]: [&OperationPosture; 2],
+        known: KnownLines<'_>,
         check: Option<PathCheck<'_>>,
     ) -> Result<Transfer, Blocked> {
         let mut tries = Vec::new();
         let blocked = |tries| Blocked { from: from.operation, to: to.operation, tries };
         let (away, towards) = (self.lengths[from.operation].1, self.lengths[to.operation].0);
-        let ends = (self.end_of(from, away), self.end_of(to, towards));
+        let retracted = known(from).and_then(|ends| ends.retract);
+        let start = retracted.map_or_else(|| self.end_of(from, away), Ok);
+        let approached = known(to).and_then(|ends| ends.approach);
+        let ends = (start, approached.map_or_else(|| self.end_of(to, towards), Ok));
         let (start, end) = match ends {
             (Ok(start), Ok(end)) => (start, end),
             (Err(why), _) | (_, Err(why)) => return Err(blocked(vec![(TransferRoute::Direct, why)])),
