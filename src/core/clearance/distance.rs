@@ -194,7 +194,16 @@ impl Scene {
             Against::Own(other) => {
                 let other = &self.links[other];
                 let (capsule, there) = (link.bare_capsule(link.carrier(frames)), other.carrier(frames));
-                (capsule.gap_to(&other.bare_capsule(there)), link.core.is_solid && other.core.is_solid)
+                match &other.cuboid {
+                    Some((pose, cuboid)) => {
+                        let gap = capsule.seen_from(&(*there * *pose)).gap_to_box(cuboid);
+                        (gap, link.core.is_solid)
+                    }
+                    None => {
+                        let gap = capsule.gap_to(&other.bare_capsule(there));
+                        (gap, link.core.is_solid && other.core.is_solid)
+                    }
+                }
             }
         }
     }

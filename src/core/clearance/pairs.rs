@@ -76,18 +76,18 @@ impl Scene {
         placed.base_hit
     }
 
-    /// Returns every pair that can collide while the arm moves. The list is empty if collisions are not
-    /// checked.
-    pub fn pairs(&self, placed: &PlacedSolids, load: Load) -> Vec<Pair> {
+    /// Calls `visit` with every pair that can collide while the arm moves. There is no such pair if
+    /// collisions are not checked.
+    pub fn each_pair(&self, placed: &PlacedSolids, load: Load, mut visit: impl FnMut(Pair)) {
         if !self.enabled {
-            return Vec::new();
+            return;
         }
-        let own = self.checked.iter().filter(|(a, b)| load.has(&self.links[*a]) && load.has(&self.links[*b]));
-        let own = own.map(|&(a, b)| {
+        self.outer_pairs(placed, load).filter(|p| self.links[p.link].frame > 0).for_each(&mut visit);
+        for &(a, b) in self.checked.iter().filter(|(a, b)| [a, b].iter().all(|k| load.has(&self.links[**k])))
+        {
             let (less, more) = if self.links[a].frame < self.links[b].frame { (a, b) } else { (b, a) };
-            Pair { link: more, against: Against::Own(less) }
-        });
-        self.outer_pairs(placed, load).filter(|p| self.links[p.link].frame > 0).chain(own).collect()
+            visit(Pair { link: more, against: Against::Own(less) });
+        }
     }
 
     /// Returns the pairs of a robot solid with floor, equipment or fence.

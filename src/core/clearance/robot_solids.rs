@@ -1,7 +1,7 @@
 //! Solids of the robot: base, links, tool and held parts.
 
 use super::bodies::{CollisionBody, body, link_bodies, touching};
-use super::bounding_capsule::{BoundingCapsule, segments_apart_squared};
+use super::bounding_capsule::{BoundingBox, BoundingCapsule, segments_apart_squared};
 use super::contact::SolidRef;
 use super::convex_decomposition::{Remember, hulls};
 use crate::cell::{Cell, MAX_JOINTS, Shape, Solid};
@@ -34,6 +34,9 @@ pub(super) struct RobotSolid {
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
+    /// The solid as a box enlarged by [`TOUCHING`], and the pose of the box in the carrier frame; None for
+    /// other shapes.
+    pub(super) cuboid: Option<(Pose, BoundingBox)>,
     /// Radius (m) with which the capsule `core` contains all `bodies`; infinite if no such radius is known.
     reach: f64,
 }
@@ -112,6 +115,13 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
         may_touch: None,
         bodies: bodies(clearance + TOUCHING),
         shell,
+        cuboid: match &solid.shape {
+            Shape::Box { pose, size } => {
+                let half = (size / 2.0).add_scalar(TOUCHING);
+                Some((*mount * *pose, BoundingBox { centre: Vector3::zeros(), half, is_solid: true }))
+            }
+            _ => None,
+        },
         reach: if is_held { core.radius + clearance } else { f64::INFINITY },
         core,
         bare,

@@ -9,7 +9,7 @@ use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::cell::NodeAggregation;
-use crate::reach::Gap;
+use crate::reach::{Cost, Gap};
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
 
@@ -121,6 +121,16 @@ impl PlacedLayout<'_> {
         let mut memory = workspace.of(self.mapper, operation);
         let has_families = self.mapper.lacks_families(operation, &query.attitudes).is_none();
         let (mut unreached, mut all, mut why) = (UnreachedNodes::default(), Vec::new(), None);
+        if query.is_reach_cheaper() {
+            query.setup.grid.targets(&query.at, |_, target| {
+                if let Err(gap) = query.reached(&target, memory.postures) {
+                    unreached.note(&gap);
+                }
+            });
+            if let Some(gap) = unreached.gap(query.setup.grid.count()) {
+                return Err(Outcome::Unreachable { gap });
+            }
+        }
         query.setup.grid.targets(&query.at, |node, target| {
             // Once a node has failed, the remaining nodes matter only if they cannot be reached.
             let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
@@ -146,6 +156,14 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
+    /// Returns whether the inverse kinematics of a node costs far less than the checks of its postures.
+    ///
+    /// The motion rules and the certificates of a posture take several microseconds.
+    fn is_reach_cheaper(&self) -> bool {
+        let is_fast = matches!(self.placed.mapper.arm.inverse.cost(), Cost::Low | Cost::Middle);
+        is_fast && (self.asks_postures() || self.placed.demand.is_some())
+    }
+
     /// Returns the outcome at one node: the least-error usable posture, or the reason why there is none.
     /// Returns None if the robot touches the node to teach the frame.
     ///

@@ -177,7 +177,7 @@ impl OperationQuery<'_> {
     }
 
     /// Returns whether the motion rules check the postures of the operation.
-    fn asks_postures(&self) -> bool {
+    pub(super) fn asks_postures(&self) -> bool {
         let guard = self.placed.mapper.guard.as_ref();
         guard.is_some_and(|guard| guard.asks_postures(self.operation))
     }

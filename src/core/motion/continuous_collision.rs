@@ -75,8 +75,8 @@ pub fn first_hit(
     if let Some(hit) = scene.base_hit(placed) {
         return Some(PathHit { at: 0.0, hit });
     }
-    let pairs = scene.pairs(placed, load).into_iter().enumerate();
-    let mut pairs: Vec<_> = pairs.map(|(number, pair)| NumberedPair { number, pair }).collect();
+    let mut pairs = Vec::new();
+    scene.each_pair(placed, load, |pair| pairs.push(NumberedPair { number: pairs.len(), pair }));
     PathQuery { chain, scene, placed, knots, slack }.first_hit_between(0, last, &mut pairs)
 }
 
@@ -168,18 +168,20 @@ impl<'w> PathQuery<'w> {
             };
             (bounds.displacement(&spheres[link], first), of_deviation)
         };
-        // Most pairs contain equipment, so the displacement of a solid relative to the base is computed once.
-        let from_base: Vec<_> = (0..spheres.len()).map(|link| displacements(link, 0)).collect();
+        let mut known = None;
         let approached = |&NumberedPair { number, pair }: &NumberedPair| {
             let equipment = self.scene.equipment_of(self.placed, pair);
             let moved = match (pair.partner(), self.slack.equipment) {
                 (None, Some(motion)) => motion(equipment),
                 _ => 0.0,
             };
-            let (by, deviating) = match first_frame(self.scene, pair) {
-                0 => from_base[pair.link],
-                frame => displacements(pair.link, frame),
+            let of = (pair.link, first_frame(self.scene, pair));
+            // Successive pairs often have a solid of the robot in common.
+            let (by, deviating) = match known {
+                Some((same, by)) if same == of => by,
+                _ => displacements(of.0, of.1),
             };
+            known = Some((of, (by, deviating)));
             let apart = deviating + moved;
             let known = self.slack.between.zip(equipment);
             let slack =

@@ -135,8 +135,8 @@ fn changes(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
 fn offsets<'k>(chain: &Chain, knots: impl IntoIterator<Item = &'k JointVector>) -> [(f64, f64); MAX_JOINTS] {
     let mut offsets = [(f64::INFINITY, f64::NEG_INFINITY); MAX_JOINTS];
     for q in knots {
-        let posture = chain.posture(q);
-        for (range, r) in offsets.iter_mut().zip(posture.r) {
+        for (i, range) in offsets.iter_mut().enumerate().take(chain.axes()) {
+            let r = chain.offset(i, q);
             *range = (range.0.min(r), range.1.max(r));
         }
     }

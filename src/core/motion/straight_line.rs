@@ -5,7 +5,7 @@ use super::continuous_collision::between;
 use super::measures::joint_displacements;
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::pose::Pose;
-use crate::robot::Chain;
+use crate::robot::{Chain, Frames};
 use nalgebra::{Vector3, Vector6};
 
 /// Largest allowed deviation of the TCP from the line, m, measured in the middle of each move.
@@ -123,9 +123,9 @@ fn follow(
     to: &Pose,
     reach: f64,
 ) -> Option<JointVector> {
-    let mut q = guess;
+    let (mut q, mut frames) = (guess, Frames::default());
     for _ in 0..MAX_ITERATIONS {
-        let frames = chain.frames(&chain.posture(&q));
+        chain.place(&chain.posture(&q), &mut frames);
         let position = (to.translation - frames.tcp.translation) / reach;
         let turn = to.rotation * frames.tcp.rotation.transpose();
         // The rotation axis times the sine of the angle is accurate for a small rotation.

@@ -163,15 +163,27 @@ impl Chain {
     pub fn posture(&self, q: &JointVector) -> Posture {
         let mut posture = Posture { cos: [1.0; MAX_JOINTS], sin: [0.0; MAX_JOINTS], r: [0.0; MAX_JOINTS] };
         for (i, link) in self.links.iter().enumerate() {
-            let coupled: f64 = self.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum();
-            let (turn, slide) = match link.kind {
-                JointKind::Revolute => (coupled, 0.0),
-                JointKind::Prismatic => (0.0, coupled),
+            let turn = match link.kind {
+                JointKind::Revolute => self.dh_coordinate(i, q),
+                JointKind::Prismatic => 0.0,
             };
             (posture.sin[i], posture.cos[i]) = (link.theta + turn).sin_cos();
-            posture.r[i] = link.r + slide;
+            posture.r[i] = self.offset(i, q);
         }
         posture
+    }
+
+    /// Returns the axial offset r of the D-H row `i` at actuator coordinates `q` (rad or m), m.
+    pub fn offset(&self, i: usize, q: &JointVector) -> f64 {
+        match self.links[i].kind {
+            JointKind::Revolute => self.links[i].r,
+            JointKind::Prismatic => self.links[i].r + self.dh_coordinate(i, q),
+        }
+    }
+
+    /// Returns the displacement of the D-H coordinate of joint `i` by the actuators, rad or m.
+    fn dh_coordinate(&self, i: usize, q: &JointVector) -> f64 {
+        self.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum()
     }
 
     /// Returns `posture` with `by` (rad or m) added to its D-H coordinates (theta or r).
@@ -220,17 +232,27 @@ impl Chain {
             t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
             frames.links[i + 1] = t;
         }
-        frames.tcp = match self.turned_tool {
-            true => t * self.tool,
-            false => Pose { translation: t.transform(&self.tool.translation), ..t },
-        };
+        frames.tcp = self.tcp_on(&t);
+    }
+
+    /// Returns the pose of the TCP if the last link has the pose `last`.
+    #[inline]
+    fn tcp_on(&self, last: &Pose) -> Pose {
+        match self.turned_tool {
+            true => *last * self.tool,
+            false => Pose { translation: last.transform(&self.tool.translation), ..*last },
+        }
     }
 
     /// Returns the pose of the TCP in the base frame of the robot.
     ///
     /// This is the product of the mount, the D-H chain (eq. (2) of the seed paper) and the tool.
     pub fn forward(&self, posture: &Posture) -> Pose {
-        self.frames(posture).tcp
+        let mut t = self.mount;
+        for (i, link) in self.links.iter().enumerate() {
+            t = step(&t, link, posture.cos[i], posture.sin[i], posture.r[i]);
+        }
+        self.tcp_on(&t)
     }
 }
 
