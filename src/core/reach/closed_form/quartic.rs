@@ -106,11 +106,21 @@ fn touches(p: &Polynomial, x: f64) -> bool {
 }
 
 /// Returns the root between `lo` and `hi` by Newton's method, safeguarded by bisection.
+///
+/// An end of the interval is an extremum of the polynomial or a bound of all roots. Newton's method therefore
+/// starts at the root of the parabola that osculates the polynomial at such an extremum.
 fn bracketed(p: &Polynomial, mut lo: f64, mut hi: f64) -> f64 {
     const MAX_STEPS: usize = 100;
+    /// Relative step below which Newton's method has converged, because it converges quadratically.
+    const LAST_STEP: f64 = 1e-9;
     let slope = derivative(p);
+    let curvature = derivative(&slope);
     let rising = value(p, hi) > 0.0;
-    let mut x = 0.5 * (lo + hi);
+    let from = |extremum: f64, direction: f64| {
+        let square = -2.0 * value(p, extremum) / value(&curvature, extremum);
+        Some(extremum + direction * square.sqrt()).filter(|x| *x > lo && *x < hi)
+    };
+    let mut x = from(lo, 1.0).or_else(|| from(hi, -1.0)).unwrap_or(0.5 * (lo + hi));
     for _ in 0..MAX_STEPS {
         let f = value(p, x);
         if f == 0.0 {
@@ -123,7 +133,7 @@ fn bracketed(p: &Polynomial, mut lo: f64, mut hi: f64) -> f64 {
         }
         let newton = x - f / value(&slope, x);
         let next = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
-        if (next - x).abs() <= 1e-15 * x.abs().max(1e-3) {
+        if (next - x).abs() <= LAST_STEP * x.abs().max(1e-3) && next == newton {
             return next;
         }
         x = next;

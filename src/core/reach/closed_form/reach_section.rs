@@ -73,10 +73,11 @@ impl ReachSection {
 
     /// Returns a lower bound of the distance from `p` to the reachable points, m; `p` is in frame 0.
     pub fn bound(&self, p: &Vector3<f64>) -> f64 {
-        let place = (p.x.hypot(p.y), p.z);
+        let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
+        let place = (norm(p.x, p.y), p.z);
         let k = self.cell_at(place);
         let centre = self.centre(k);
-        (self.cells[k].bound - (place.0 - centre.0).hypot(place.1 - centre.1)).max(0.0)
+        (self.cells[k].bound - norm(place.0 - centre.0, place.1 - centre.1)).max(0.0)
     }
 
     /// Returns the postures from which a search for the reachable point nearest to `p` starts.

@@ -63,7 +63,7 @@ impl ThreeJointPoint {
             return;
         }
         let (c, s) = (q.x * p.x + q.y * p.y, q.x * p.y - q.y * p.x);
-        let size = c.hypot(s);
+        let size = (c * c + s * s).sqrt();
         if size > 1e-24 {
             joints.theta[0] = (c / size, s / size);
         }

@@ -302,12 +302,13 @@ impl ThreeJoints {
 ///
 /// Rounding may make `x` and `y` contradict each other; Newton's method later corrects the result.
 fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usize) {
-    let size = u.hypot(v);
+    let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
+    let size = norm(u, v);
     if size < ALIGNED {
         return ([(1.0, 0.0); 2], 1);
     }
     let turn = |x: f64, y: f64| {
-        let per = 1.0 / (size * x.hypot(y));
+        let per = 1.0 / (size * norm(x, y));
         if per.is_finite() { ((u * x + v * y) * per, (u * y - v * x) * per) } else { (1.0, 0.0) }
     };
     // A double root for joint 3 is accurate only to the square root of the rounding error.
