@@ -61,7 +61,7 @@ impl std::error::Error for StudyError {}
 pub struct StudyValue(String);
 
 impl StudyValue {
-    /// Returns a value written as TOML, such as `{ min = 0, max = 500 }`.
+    /// Makes a value from its TOML text, such as `{ min = 0, max = 500 }`. The text is not checked here.
     pub fn toml(text: impl Into<String>) -> Self {
         Self(text.into())
     }
@@ -197,7 +197,8 @@ impl Study {
         &self.loaded.warnings
     }
 
-    /// Returns the cell as read: plain data in m and rad. The fields of the cell may change with any version.
+    /// Returns the cell as read: plain data in m and rad. Any new version of sweetspot can change the fields
+    /// of the cell.
     pub fn cell(&self) -> &Cell {
         &self.loaded.cell
     }

@@ -46,7 +46,10 @@ pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     }
     let first = first.search.seed;
     let Some(last) = first.checked_add(count.saturating_sub(1) as u64) else {
-        output::error(&format!("{count} seeds from {first} on exceed the largest seed, {}", u64::MAX));
+        output::error(&format!(
+            "{count} successive seeds that begin at {first} exceed the largest seed, {}",
+            u64::MAX
+        ));
         return Err(Exit::BadInput);
     };
     let values = (first..=last).map(|seed| seed.to_string()).collect();
@@ -98,7 +101,7 @@ fn refuse_flags(a: &SearchArguments, parent: &Path) -> Result<(), Exit> {
     }
     let parent = path_word(parent);
     output::error(&format!(
-        "{} cannot be used with the islands in {parent}: the plan of the islands states the flags",
+        "{} cannot be used with the islands in {parent}: the plan of the islands already states their settings",
         given.join(", ")
     ));
     output::talk(

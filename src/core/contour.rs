@@ -1,4 +1,5 @@
-//! Contours of a region in a plane, traced on a square lattice by a test of single points.
+//! Contours of a region in a plane. A function tests whether a point is inside the region. The contours
+//! are traced on a square lattice.
 //!
 //! An edge of the lattice is crossed if one of its vertices is inside the region and the other is outside.
 //! Square tracing follows the contour from one crossed edge to the next. Bisection locates the contour on a

@@ -1,9 +1,9 @@
 //! The core of sweetspot: the mathematics from the model of a cell to the best layout.
 //!
 //! The core does no input or output. The crate `sweetspot` adds files, documents, reports and the command.
-//! The documentation of that crate explains the problem and the flow of data. The core is a separate crate,
-//! so the compiler can optimize it fully. The code for files and reports is optimized less, so it
-//! compiles quickly.
+//! The documentation of that crate explains the problem and the flow of data. Separate crates can have
+//! different compiler settings. The core is fully optimized. The code for files and reports is optimized
+//! less, because it must compile quickly.
 
 pub mod allocation;
 pub mod assess;

@@ -97,7 +97,7 @@ impl FileContent {
             Self::Urdf | Self::Xacro => format!("write a cell for it: sweetspot init {path}"),
             Self::Collada | Self::Step => format!("convert it: {}; then {mesh}", conversion(path)),
             Self::OtherXml | Self::Binary => {
-                "give a cell or robot file in TOML; `sweetspot init` lists first cells".into()
+                "give a cell or robot file in TOML; `sweetspot init` lists the cells that it can write".into()
             }
             Self::Stl | Self::Obj => mesh.into(),
             Self::Dxf => {

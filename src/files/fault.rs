@@ -44,7 +44,7 @@ pub struct Fault {
     pub help: String,
     #[serde(skip)]
     pub kind: FaultKind,
-    /// Path of the mesh of a URDF that the fault concerns; None for any other fault.
+    /// Path of the faulty mesh if the fault concerns a mesh of a URDF; None for any other fault.
     #[serde(skip)]
     pub mesh: Option<String>,
     /// Line of the file that contains the fault, for display. A long line is cut to the part around the

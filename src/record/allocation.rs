@@ -63,8 +63,8 @@ pub enum AllocationStatus {
     /// compares their cost with its lower bound. If the optimized tolerances give a figure above its limit,
     /// the program afterwards reduces all tolerances. This reduction increases the gap.
     Cheapest,
-    /// The error model of the cell gives a figure of the final tolerances above its limit. A reduction of all
-    /// tolerances after the optimization did not lower the figure to the limit.
+    /// The final tolerances give a figure above its limit, according to the error model of the cell. A
+    /// reduction of all tolerances after the optimization did not lower the figure to the limit.
     Exceeded,
     /// A figure exceeds its limit even at the tightest tolerances.
     Infeasible,

@@ -48,8 +48,8 @@ pub struct OperationBudget {
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
     /// Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if
-    /// the errors of the sample compensate each other. The program assumes that they do if the error of a
-    /// Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
+    /// the errors of the sample compensate each other. The program assumes such compensation if the error of
+    /// a Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the error figure that the reading gives; negative if the error exceeds the limit. If a
@@ -73,8 +73,8 @@ pub struct OperationBudget {
 
 /// Error figures of a posture, for the component of the error that counts for the operation (its sense).
 /// Worst case and statistics are null in the signed reading if the errors of the sample compensate each
-/// other. The program assumes that they do if the error of a Denavit-Hartenberg length (r or l) exceeds the
-/// reach of the arm.
+/// other. The program assumes such compensation if the error of a Denavit-Hartenberg length (r or l) exceeds
+/// the reach of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssumedEntry {
-    /// Key of the cell file that changes the value.
+    /// Key with which a cell file states this value.
     pub key: String,
     /// Assumed value in the notation of the cell file.
     pub value: String,

@@ -54,7 +54,7 @@ pub struct CalibrationDocument {
 pub struct MisfitEntry {
     /// Standard deviation of the error of every joint: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Standard deviation of a position per axis, mm.
+    /// Standard deviation, along each axis, of the unexplained position error that no joint causes, mm.
     pub position_mm: f64,
 }
 

@@ -24,8 +24,8 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of the robot's solids, with a reason if the two solids may touch. If self-collision is not
-    /// checked, the list holds only pairs with the pedestal.
+    /// Pairs of the robot's solids. A pair states a reason if contact of its two solids is allowed. If
+    /// self-collision is not checked, the list holds only pairs with the pedestal.
     pub self_collision: Vec<OwnPairEntry>,
     /// Entries that state how a search treats each operation. Empty if the cell is not valid.
     #[serde(default)]
@@ -74,7 +74,7 @@ impl OperationOrderEntry {
 pub struct OwnPairEntry {
     pub a: String,
     pub b: String,
-    /// Reason why the two solids may touch; null if a contact is a collision.
+    /// Reason why contact of the two solids is allowed; null if contact counts as a collision.
     pub allowed: Option<String>,
 }
 
@@ -101,7 +101,7 @@ pub struct UrdfEntry {
     pub base_to_frame_0: PoseEntry,
     pub rows: Vec<UrdfRow>,
     pub last_frame_to_tip: PoseEntry,
-    /// Number of unused elements of the file by kind.
+    /// Number of unused elements of each kind in the file.
     pub ignored: ByName<usize>,
 }
 

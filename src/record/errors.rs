@@ -161,15 +161,16 @@ impl TestCubeEntry {
     }
 }
 
-/// Request for a guessed error set. The request states the source of the tolerances and the accuracy of the
-/// data sheet. It also states whether the accuracy refers to a fitted or the nominal base frame.
+/// Request for a guessed error set. The request states the source of the tolerances, and the pose accuracy
+/// and pose repeatability from the data sheet. It also states whether the accuracy refers to a fitted or the
+/// nominal base frame.
 pub struct GuessQuestion {
     pub origin: ErrorOrigin,
     pub origin_name: String,
     pub base: BaseChoice,
-    /// Pose accuracy of the data sheet, mm.
+    /// Pose accuracy AP of the robot, from its data sheet, mm.
     pub ap_mm: Option<f64>,
-    /// Pose repeatability of the data sheet, mm.
+    /// Pose repeatability RP of the robot, from its data sheet, mm.
     pub rp_mm: Option<f64>,
 }
 

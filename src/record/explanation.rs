@@ -86,8 +86,9 @@ pub struct ExplanationDocument {
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If a certificate is
-    /// required, the upper bound of the value over all misplacements replaces the value. The value stays if
-    /// no upper bound is known. Null if the operation has no limit, or if the quantity is the yield.
+    /// required, the margin is the limit minus the upper bound of the value over all misplacements. If this
+    /// bound is not known, the margin remains the limit minus the value. Null if the operation has no limit,
+    /// or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -198,9 +199,10 @@ pub struct DisplacementEntry {
     pub rotation_deg: [f64; 3],
 }
 
-/// Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
-/// the position errors of the model and of the nonlinear model. The discrepancy is in percent of the length
-/// of the nonlinear position error.
+/// Discrepancies of the linear and the second-order model at a posture. A discrepancy is the length of the
+/// difference between two position errors. One error comes from the linear or the second-order model, and the
+/// other error comes from the nonlinear model. The discrepancy is in percent of the length of the nonlinear
+/// position error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureGuardEntry {

@@ -129,7 +129,7 @@ pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
         true => format!("the {count} best layouts that differ clearly from each other"),
         false => {
             let names: Vec<_> = goals.iter().map(Goal::name).collect();
-            format!("front of {count} layouts in {}", names.join(", "))
+            format!("Pareto front of {count} layouts for the goals {}", names.join(", "))
         }
     }
 }

@@ -114,12 +114,13 @@ pub struct OperationMapEntry<'a> {
     pub registration: Registration,
     /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` is known,
+    /// the margin is the limit minus `worst`, unless the objective is a tolerance cost. Null if the operation
     /// has no limit or no value, or if the quantity is the yield.
     pub margin: Option<f64>,
     pub over: NodeAggregation,
-    /// Value of the operation: the values of its nodes, combined by the rule `over`. The rule `best` gives
-    /// the value of the best node.
+    /// Value of the operation: the values of its nodes, combined by the rule that the field `over` states.
+    /// The rule `best` gives the value of the best node.
     pub value: Option<f64>,
     /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
     /// not certified, or if no bound is known.
@@ -312,9 +313,10 @@ pub struct MonteCarloEntry {
     /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
-    /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
-    /// replace the first-order figures, also in the value and margin of the operation. The value remains
-    /// first-order if the search is robust, or if the value combines several nodes.
+    /// Whether the samples confirm the first-order figures. If the samples contradict the first-order
+    /// figures, the figures of the samples replace them. The value and the margin of the operation then also
+    /// come from the samples. The value remains first-order if the search is robust, or if the value combines
+    /// several nodes.
     pub first_order_holds: Option<bool>,
 }
 
@@ -349,8 +351,8 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Largest joint travel of each straight move, summed over all moves, degrees. The sum is a measure of
-    /// the transfer time.
+    /// Sum over all straight moves of the motion, degrees. Each move contributes the travel of the joint that
+    /// travels farthest in this move. The sum is a measure of the transfer time.
     pub travel_deg: f64,
     /// Joint vectors along the motion, which is a straight line in joint space from each vector to the next.
     pub joints_deg: Vec<Vec<f64>>,

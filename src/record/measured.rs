@@ -113,7 +113,7 @@ pub struct RepeatsEntry {
     pub largest_ap_mm: f64,
     /// Largest pose repeatability of a posture.
     pub largest_rp_mm: f64,
-    /// Least number of visits of a repeated posture.
+    /// Number of visits of the repeated posture with the fewest visits.
     pub least_visits: usize,
     /// Whether every repeated posture was visited as often as the standard demands.
     pub enough_visits: bool,

@@ -46,24 +46,26 @@ pub struct PlannedPoseEntry {
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The base frame is assumed to be measured with the robot again after the calibration. The expected errors
-/// leave out the part that the new base frame removes. They also leave out errors that the unknowns of the
-/// calibration cannot explain.
+/// The expected errors assume a new measurement of the base frame, with the robot, after the calibration. The
+/// expected errors leave out the part that the new base frame removes. They also leave out errors that the
+/// unknowns of the calibration cannot explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {
-    /// Number of usable nodes of all operations over which the error is averaged.
+    /// Number of nodes in the root mean square: the usable nodes of all operations.
     pub nodes: usize,
     /// Error without a measurement, from the standard deviations of the unknowns.
     pub before_mm: f64,
     /// Error after the planned poses are measured.
     pub after_mm: f64,
-    /// Error after the same number of other poses is measured. These poses are spread evenly over the joint
-    /// space.
+    /// Error after another set of poses is measured. This set has as many poses as the plan, spread evenly
+    /// over the joint space.
     pub evenly_spread_mm: f64,
-    /// Assumed unexplained error that is nearly equal at nearby poses, as a standard deviation per axis.
+    /// Assumed standard deviation, per axis, of one part of the errors that the unknowns do not explain. This
+    /// part is nearly equal at nearby poses.
     pub shared_misfit_mm: f64,
-    /// Assumed unexplained error that is independent from pose to pose, as a standard deviation per axis.
+    /// Assumed standard deviation, per axis, of the other part of the errors that the unknowns do not
+    /// explain. This part is independent from pose to pose.
     pub own_misfit_mm: f64,
 }
 
@@ -71,7 +73,7 @@ pub struct ExpectedEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TriedEntry {
-    /// Number of postures among which the plan chose.
+    /// Number of usable postures. The poses of the plan were chosen from these postures.
     pub candidates: usize,
     /// Number of postures at which the robot touches an object or is nearer to an object than the clearance
     /// that the cell requires.

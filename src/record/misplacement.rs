@@ -63,8 +63,8 @@ pub struct RobustnessEntry {
     /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of the
     /// robot base and of all equipment. Equipment that `tolerance` leaves out is included.
     pub corners: usize,
-    /// Evaluated corner of the tolerance boxes with the greatest value of the operation. Null if `tolerance`
-    /// is empty, or if the operation cannot be done at any corner.
+    /// Evaluated corner of the tolerance boxes at which the operation has its greatest value. Null if
+    /// `tolerance` is empty, or if the operation cannot be done at any corner.
     pub worst: Option<CornerEntry>,
     /// Evaluated corners of the tolerance boxes at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
@@ -148,11 +148,12 @@ pub struct LargestEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// Misplacement at which the operation cannot be done. This misplacement is larger than `most` of
-    /// `LargestEntry`. If `most` is 0, this misplacement may also be 0.
+    /// Misplacement at which the operation cannot be done. This misplacement is 0 if the operation cannot be
+    /// done even without misplacement. Otherwise, this misplacement is larger than `most` of `LargestEntry`.
     Lost(LostEntry),
-    /// Misplacement at which the value of the operation exceeds the limit. This misplacement is larger than
-    /// `most` of `LargestEntry`. If `most` is 0, this misplacement may also be 0.
+    /// Misplacement at which the value of the operation exceeds the limit. This misplacement is 0 if the
+    /// value exceeds the limit even without misplacement. Otherwise, this misplacement is larger than `most`
+    /// of `LargestEntry`.
     Limit(CornerEntry),
 }
 

@@ -71,7 +71,7 @@ pub struct ReadingEntry {
 }
 
 /// Largest regret (`ratio`), and the operation, reading and registration to which it belongs. A regret
-/// compares the spot that the signed reading chooses with the best spot.
+/// compares the values at two spots: the choice of the signed reading, and the best spot under `reading`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {

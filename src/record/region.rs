@@ -9,8 +9,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
-/// their placements. Every operation keeps its spot and branch. An operation that happens at every node may
-/// use another branch at each node.
+/// their placements. An operation that happens at one node keeps its spot and branch. An operation that
+/// happens at every node uses the best posture of each node.
 ///
 /// Everywhere in the region, the layout works at every misplacement within the placement tolerances. The
 /// objective grows by at most the percentage `indifference_percent` of the cell file.

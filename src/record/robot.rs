@@ -140,7 +140,7 @@ pub enum ErrorSetKind {
 pub struct EnvelopeSize {
     /// Elevation of the tool axis above the horizontal.
     pub bend_deg: f64,
-    /// Distance between the sample points.
+    /// Distance between neighbouring sample points. The envelope is computed from these points.
     pub step_mm: f64,
     pub size: SizeEntry,
 }
@@ -254,7 +254,7 @@ pub struct EnvelopeDocument {
     pub frame: String,
     /// Elevation of the tool axis above the horizontal.
     pub bend_deg: f64,
-    /// Distance between the sample points.
+    /// Distance between neighbouring sample points. The envelope is computed from these points.
     pub step_mm: f64,
     pub size: SizeEntry,
     pub section: SectionEntry,

@@ -33,7 +33,7 @@ pub struct SpotEntry {
     pub position_mm: Option<[f64; 3]>,
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Option<Vec<f64>>,
-    /// Spot refined between the nodes of the grid.
+    /// Best spot between the nodes of the grid; null if the program computed no such spot.
     pub refined: Option<RefinedEntry>,
     /// Effect of misplacement on the operation; null if the effect was not computed.
     pub robustness: Option<RobustnessEntry>,
@@ -63,9 +63,8 @@ pub struct RequirementEntry {
     /// of the tightest tolerances. A value above this cost means that the error exceeds its limit even at the
     /// tightest tolerances.
     pub limit: f64,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
-    /// withstand misplacements, the upper bound `worst` of `SpotEntry` replaces the value. The value stays if
-    /// `worst` is null or if the objective is a tolerance cost.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` of
+    /// `SpotEntry` is known, the margin is the limit minus `worst`, unless the objective is a tolerance cost.
     pub margin: f64,
     /// Whether the limit is met. An error limit counts as missed if the layout must withstand misplacements
     /// but `worst` of `SpotEntry` is null.

@@ -70,7 +70,8 @@ pub fn combination(sets: &[Choices], index: usize) -> Vec<&str> {
 }
 
 impl SweepPlan {
-    /// Makes the plan of a single search for the layout of a cell, with this version of the program.
+    /// Makes the plan of a single search for the layout of a cell. The plan states the version of the running
+    /// program.
     pub fn of_cell(cell: &Path, packages: &[(String, PathBuf)]) -> Self {
         Self {
             schema: SWEEP_PLAN_SCHEMA.into(),
@@ -120,7 +121,8 @@ impl SweepPlan {
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {
     pub index: usize,
-    /// Value of every `--set` option by its path: parsed as JSON if possible, otherwise text.
+    /// Values of the `--set` options. The key of each value is the path that the option states. A value is
+    /// parsed as JSON if possible; otherwise it is text.
     pub set: ByName<Value>,
     pub feasible: bool,
     /// Objective of the layout in `unit`; null if the layout is not feasible.
@@ -160,11 +162,11 @@ pub struct SweepSpot {
     /// Largest allowed error of the operation, in `error_unit`.
     pub limit: Option<f64>,
     pub error_unit: Unit,
-    /// Whether the limit is met; null if the operation has no limit or no spot. A limit that is not guaranteed
-    /// over the misplacements counts as missed.
+    /// Whether the limit is met; null if the operation has no limit or no spot. The limit counts as missed if
+    /// `requirement` is `not-guaranteed`.
     pub limit_met: Option<bool>,
-    /// State of the limit: `met`, `missed`, `not-guaranteed` (over all misplacements), or `none` (no limit or
-    /// no spot).
+    /// State of the limit: `met`, `missed`, `not-guaranteed`, or `none` (no limit or no spot). The state
+    /// `not-guaranteed` means met without misplacement, but not proven for all misplacements.
     pub requirement: RequirementState,
 }
 

@@ -169,7 +169,8 @@ pub struct VerdictSpot {
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
     pub limit: Option<f64>,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` is known,
+    /// the margin is the limit minus `worst`, unless the objective is a tolerance cost.
     pub margin: Option<f64>,
     /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
     /// not certified, or if no bound is known.

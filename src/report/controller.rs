@@ -44,7 +44,7 @@ const URSCRIPT: [&str; 4] = [
     "Poses p[x, y, z, rx, ry, rz]: positions in m, rotation vectors in rad.",
     "The values are relative to the base feature of the controller. The frame base_link of ROS is rotated by 180",
     "degrees about z relative to the base feature.",
-    "A spot is the pose of the TCP in the feature: pose_trans(feature_NAME, spot_NAME) is the pose in the base.",
+    "A spot is the pose of the TCP in its feature. In the base feature, it is pose_trans(feature_NAME, spot_NAME).",
 ];
 /// Comment lines that state the units, rotations and reference frame of FANUC user frames.
 const FANUC: [&str; 6] = [

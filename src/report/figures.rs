@@ -52,8 +52,8 @@ const MAPS: [Map; 5] = [
     ),
 ];
 
-/// Draws all figures of a cell. The maps show the first operation; the map of Fig. 7 shows all operations
-/// together. Every file name begins with `prefix`.
+/// Draws all figures of a cell. The maps for Fig. 4 to 6 of the seed paper show the first operation. The map
+/// for Fig. 7 shows all operations together. Every file name begins with `prefix`.
 ///
 /// # Errors
 /// Fails if a picture cannot be drawn.

@@ -564,7 +564,7 @@ fn a_cell_without_a_bound_states_the_reason() {
     let (relative, words) = proof(&|cell| cell.operations[1].relative_to = Some(0));
     assert_eq!(relative.operations[1].value, Err(WhyNot::Relative));
     assert_eq!((relative.covers, relative.bound), (Covers::Part, relative.operations[0].value.ok()));
-    assert!(words.contains("counted as 0: picking"), "{words}");
+    assert!(words.contains("these operations as 0: picking"), "{words}");
     let (taught, words) = proof(&|cell| cell.registration = Registration::Taught);
     assert_eq!((taught.covers, taught.bound), (Covers::Nothing, None));
     assert!(words.starts_with("no bound: "), "{words}");

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Frame to which the pose accuracy refers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AccuracyBase {
-    /// Base frame fitted to the real robot over its working space
+    /// Base frame fitted to positions of the real robot throughout its working space
     Fitted,
     /// Nominal base frame
     Nominal,

@@ -21,8 +21,7 @@ pub struct MeasuringPlanFlags {
         conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml", "harmonics", "svg"]
     )]
     pub plan: Option<u64>,
-    /// Use only this many of the most informative rows of every table, as if no other row had been
-    /// measured
+    /// Use only the N most informative rows of every table, and ignore all other rows
     #[arg(
         long,
         value_name = "N",

@@ -81,8 +81,8 @@ pub struct ExportArguments {
     /// Format to write
     #[arg(long, value_name = "FORMAT")]
     pub to: ExportFormat,
-    /// Write to this file [default: in the current folder, named like RESULT or CELL with the ending of the
-    /// format]
+    /// Write to this file [default: a file in the current folder that has the name of RESULT or CELL and the
+    /// extension of the format]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Export the start layout of a result folder instead of its best layout

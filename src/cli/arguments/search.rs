@@ -30,8 +30,8 @@ pub struct SearchArguments {
     /// that the cell file does not state is then 0
     #[arg(long)]
     pub ideal: bool,
-    /// Minimize a proven upper bound of the error over the placement tolerances, instead of the error at the
-    /// exact placements
+    /// Minimize a proven upper bound of the error at all misplacements within the placement tolerances,
+    /// instead of the error at the exact placements
     #[arg(long)]
     pub robust: bool,
     /// Find the Pareto front of two or more goals: error, clearance, joint-limits, singularity, travel,
@@ -53,8 +53,8 @@ pub struct SearchArguments {
     pub solver: Option<String>,
     #[command(flatten)]
     pub rules: StoppingFlags,
-    /// Search with N successive seeds (islands), each with the whole budget, and merge the islands into one
-    /// result. A repeated command with the same folder processes only the missing islands
+    /// Run N searches (islands) with successive seeds, each with the whole budget, and merge their results.
+    /// If the command is repeated with the same folder, it processes only the missing islands
     #[arg(
         long,
         value_name = "N",
@@ -63,8 +63,8 @@ pub struct SearchArguments {
         conflicts_with_all = ["resume", "time", "checkpoint", "progress"]
     )]
     pub islands: Option<u16>,
-    /// Process the islands in this folder as one of several workers (sweetspot processes); CELL and --islands
-    /// are needed only if the folder has no plan yet
+    /// Process the islands in this folder as one of several workers (running copies of sweetspot); CELL and
+    /// --islands are needed only if the folder has no plan yet
     #[arg(
         long,
         value_name = "DIR",

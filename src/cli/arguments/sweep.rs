@@ -49,8 +49,8 @@ pub struct SweepArguments {
     /// Number of combinations to process in parallel; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub jobs: Option<u16>,
-    /// Write to this folder: a new folder, or the folder of the same sweep, which is then resumed [default:
-    /// results/CELL-NNN]
+    /// Write to this folder, which must be new or belong to this sweep; a sweep that has begun is resumed
+    /// [default: results/CELL-NNN]
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     pub out: Option<PathBuf>,
     /// Resume the sweep in this folder
@@ -63,8 +63,8 @@ pub struct SweepArguments {
     /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim
     #[arg(long, requires = "out", conflicts_with_all = ["only", "claim", "on", "json"])]
     pub plan_only: bool,
-    /// Process the sweep in this folder as one of several workers (sweetspot processes); CELL and --set are
-    /// needed only if the folder has no plan yet
+    /// Process the sweep in this folder as one of several workers (running copies of sweetspot); CELL and
+    /// --set are needed only if the folder has no plan yet
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume"])]
     pub claim: Option<PathBuf>,
     #[command(flatten)]

@@ -119,7 +119,7 @@ fn not_found(robot: &Path, why: GuessFault) -> Exit {
         GuessFault::NotFound { nearest } => {
             let nearest = rounded(mm_from_m(nearest), 3);
             output::error(&format!(
-                "{robot}: no scale of the tolerances gives this AP; the nearest AP is {nearest} mm"
+                "{robot}: no scale of the tolerances gives this AP; the nearest possible AP is {nearest} mm"
             ));
             output::talk("  help: state a smaller --ap");
         }
@@ -144,12 +144,12 @@ fn source(question: &GuessQuestion, from: &str, scale: f64) -> String {
             BaseChoice::Nominal => "nominal base frame",
         };
         text += &format!(
-            ", scaled by {}; the median robot then has the predicted pose accuracy AP (ISO 9283, {base}) of {ap} mm",
+            ", scaled by {} to a predicted pose accuracy AP (ISO 9283, {base}) of {ap} mm for the median robot",
             rounded(scale, 5)
         );
     }
     if let Some(rp) = question.rp_mm {
-        text += &format!("; dq includes random errors for a repeatability RP of {rp} mm");
+        text += &format!("; dq includes random errors that cause a repeatability RP of {rp} mm");
     }
     text
 }

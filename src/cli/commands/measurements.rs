@@ -195,7 +195,7 @@ fn remarks(
         let about = if is_turned { ", rotated by 180 deg about its z axis" } else { "" };
         if reading.base.rotation[(2, 2)] > UPRIGHT {
             said.push(format!(
-                "the positions are in the base frame of the robot{about}; the base frame is fitted nevertheless"
+                "the positions are in the base frame of the robot{about}; a base frame is nevertheless fitted to them"
             ));
         }
     }

@@ -94,7 +94,7 @@ fn written(
         Some(path) => {
             let path = if is_stdout(path) { "plan.csv".into() } else { path_word(path) };
             output::talk(&format!(
-                "measure the poses, and fill in x, y and z of {path} before the next command"
+                "measure the poses, and fill in the columns x, y and z of {path} before the next command"
             ));
             suggest_with(&format!("calibrate {robot_file} {path}{}", elastic(a)), &a.packages);
         }

@@ -163,7 +163,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     };
     let calibrated = robot_of_urdf(path, Some((&origin.base_link, &origin.tip_link)))?.robot;
     let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
-    let help = "give two URDF files of one arm, which differ in the origins of their joints";
+    let help = "give two URDF files of one arm that have the same joints with different origins";
     if names(robot) != names(&calibrated) {
         return Err(refuse(
             "the joints of its chain differ from the joints of the nominal URDF".into(),
@@ -180,7 +180,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors are the differences from the nominal URDF in the joint origins and the tip link; the difference of the tip link is stated as an error of the tool",
+        "note: {}: the joint origins and the tip link are compared with the nominal URDF; the differences are the errors, and the difference of the tip link becomes an error of the tool",
         path_word(path)
     ));
     Ok((errors, source))

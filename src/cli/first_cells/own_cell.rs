@@ -92,8 +92,8 @@ clearance_mm = 10
 from = "{robot}"
 base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
 
-# The table; its frame is in the middle of its top. A number is fixed; a range {{ min, max, start }} or a list of
-# allowed values is searched, and `start` is the value in the layout as drawn.
+# The table; the origin of its frame is in the middle of its top. A number is fixed; a range {{ min, max, start }}
+# or a list of allowed values is searched, and `start` is the value in the layout as drawn.
 [equipment.table]
 from = "{TABLE}"
 
@@ -136,7 +136,7 @@ impl TablePlace {
         });
         format!(
             "#:schema ../schemas/equipment.schema.json\n\
-             # A table whose size suits the reach of the arm; its frame is in the middle of its top.\n\
+             # A table whose size suits the reach of the arm; the origin of its frame is in the middle of its top.\n\
              schema = \"sweetspot/equipment/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\n\
              name = \"Table {x} x {y}\"\nsource = \"made up by sweetspot init\"\n\n\
              [surface]\nsize_mm = [{x}, {y}]\n\n\

@@ -75,7 +75,7 @@ const fn slow(mut sketch: Sketch) -> Sketch {
 /// First cells, one for every built-in robot.
 pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     hitachi("hitachi", "the 4-axis arm of the seed paper, worktable and conveyor", "hitachi_pw10"),
-    large_ur("ur10e", "six axes of Universal Robots, worktable and conveyor"),
+    large_ur("ur10e", "six axes (Universal Robots UR10e), worktable and conveyor"),
     Sketch {
         standoff: 50,
         ..sketch(
@@ -171,9 +171,9 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         (600, 400, 800),
         1100,
     ),
-    large_ur("ur10", "six axes of Universal Robots, worktable and conveyor"),
+    large_ur("ur10", "six axes (Universal Robots UR10), worktable and conveyor"),
     small(
-        ["ur5e", "six axes of Universal Robots, bench and feeder", "ur5e"],
+        ["ur5e", "six axes (Universal Robots UR5e), bench and feeder", "ur5e"],
         (700, 550),
         (750, 600, 900),
         900,
@@ -221,7 +221,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         "six axes with an offset wrist (xArm 6), bench and feeder",
         [700, 470, 750, 600, 900, 700],
     ),
-    bench("ur16e", "six axes of Universal Robots, bench and feeder", [700, 550, 750, 600, 900, 900]),
-    hall("ur20", "six axes of Universal Robots, worktable and conveyor", [700, 1000, 950, 750, 1700]),
-    bench("ur3e", "six axes of Universal Robots, bench and feeder", [700, 430, 750, 600, 900, 600]),
+    bench("ur16e", "six axes (Universal Robots UR16e), bench and feeder", [700, 550, 750, 600, 900, 900]),
+    hall("ur20", "six axes (Universal Robots UR20), worktable and conveyor", [700, 1000, 950, 750, 1700]),
+    bench("ur3e", "six axes (Universal Robots UR3e), bench and feeder", [700, 430, 750, 600, 900, 600]),
 ];

@@ -66,8 +66,8 @@ base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
 
     fn equipment(&self) -> String {
         format!(
-            "# Equipment; its frame is in the middle of its top. A number is fixed; a range {{ min, max, start }} or a list\n\
-             # of allowed values is searched, and `start` is the value in the layout as drawn.\n{}\n{}",
+            "# Equipment; the origin of its frame is in the middle of its top. A number is fixed; a range {{ min, max, start }}\n\
+             # or a list of allowed values is searched, and `start` is the value in the layout as drawn.\n{}\n{}",
             self.work.text(),
             self.supply.text()
         )

@@ -138,7 +138,7 @@ impl ImportedRobot {
         let d = direction.map(|v| rounded(v, 3));
         let tip = match self.outline.is_guessed {
             true => format!(
-                "the tool is guessed: {} is the last link of the longest chain, {joints} joints",
+                "the tool is guessed: {} is the last link of the longest chain, which has {joints} joints",
                 shown(tip_link)
             ),
             false => format!("the tool is at {}, after {joints} joints", shown(tip_link)),
@@ -152,7 +152,7 @@ impl ImportedRobot {
         ));
         if !joints_off.is_empty() {
             output::talk(&format!(
-                "note: joints that are not on this chain stand still and have no solids: {}",
+                "note: these joints are not on the chain to the tool; they stand still, and their links have no solids: {}",
                 listed(joints_off.iter().map(String::as_str))
             ));
         }

@@ -44,7 +44,7 @@ pub fn text(stem: &str, given: &str, outline: &UrdfOutline, footprint_mm: Option
         "Chosen with --tip"
     };
     let footprint = footprint_mm.map_or(String::new(), |side| {
-        format!("\n# GUESS: floor space of the base, because its link has no solids.\nfootprint = {{ size_mm = [{side}, {side}] }}\n")
+        format!("\n# GUESS: floor space of the base, because the base link has no solids.\nfootprint = {{ size_mm = [{side}, {side}] }}\n")
     });
     format!(
         r#"#:schema ../schemas/robot.schema.json

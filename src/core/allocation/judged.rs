@@ -52,7 +52,7 @@ pub struct JudgedAllocation {
     pub judged: Vec<f64>,
     /// Index, counted from 0, of the round that gave this allocation. Each round solves one linear problem.
     pub rounds: usize,
-    /// Largest relative excess of a judged figure over its limit, for the scales of the first round. This
+    /// Largest relative excess of a judged figure over its limit at the scales of the first round. This
     /// excess measures the error of the linear problem.
     pub missed: f64,
     /// Largest relative excess of a figure in [`Self::judged`] over its limit.

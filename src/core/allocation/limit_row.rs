@@ -122,11 +122,12 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least multiplier of this constraint at which the scales that minimize the Lagrangian
-    /// satisfy the constraint. Newton's method within a bracket finds the multiplier.
+    /// Returns the least multiplier with which this constraint holds at the scales that minimize the
+    /// Lagrangian. Newton's method within a bracket finds the multiplier.
     ///
     /// The Lagrangian is `sum_k (c_k(u_k) + p_k u_k + q_k u_k^2) + multiplier * (left - 1)`. Here `c_k` is
-    /// the cost of a scale, and `left` is the left side of this constraint.
+    /// the cost of the scale `u_k`, and `left` is the left side of this constraint. The arguments `p` and `q`
+    /// hold the coefficients `p_k` and `q_k`, which come from other constraints.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

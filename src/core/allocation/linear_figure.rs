@@ -36,7 +36,7 @@ pub struct FigureScratch {
 
 impl LinearFigure {
     /// Returns the figure at the scales `u`. If the error has more than three components, the returned worst
-    /// case may be only an upper bound.
+    /// case can exceed the exact worst case.
     pub fn value(&self, u: &[f64], scratch: &mut FigureScratch) -> f64 {
         match self {
             Self::WorstCase { rows, generators, fixed } => {

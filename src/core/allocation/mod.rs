@@ -18,11 +18,12 @@
 //!
 //! Every cost `c_k` is a decreasing, convex function of its scale, so this is a convex program. A root sum
 //! square is one second-order cone. A worst case is one second-order cone for each sign pattern. If the error
-//! has one axis, a worst case is a single linear inequality. In a plane, the patterns depend only on the
-//! directions of the generators, so n generators have at most n patterns. The cutting-plane method adds only
-//! the constraints (`ConeCut`) of the patterns that bind. The exact worst case of a solution gives the
-//! pattern with which this solution violates a limit. A requirement adds cuts only while a solution violates
-//! it. So requirements at many nodes take little computing time.
+//! has one axis, a worst case is a single linear inequality. If the error has two axes, the patterns depend
+//! only on the directions of the generators. Then n generators have at most n patterns, apart from a common
+//! sign. The cutting-plane method begins without the constraints of the patterns, and adds some of them as
+//! cuts (`ConeCut`). If the worst case of a solution exceeds the limit, the sign pattern of this worst case
+//! gives the next cut. A requirement that no solution violates adds no cut. So requirements at many nodes
+//! take little computing time.
 //!
 //! For continuous costs, Newton's method solves the dual problem, which has only a few variables
 //! ([`priced_scales`]). The crate `clarabel` solves two cases as cone programs. In the first case, the grades
@@ -33,9 +34,9 @@
 //! duality gap is proven. Discrete grades are chosen by branch and bound (`grade_choice`). The bounds come
 //! from a relaxed problem, which permits mixtures of grades.
 //!
-//! If the error is not linear, or the figure is a percentile, the linear requirements are only an
+//! If the error is not linear, or the figure is a percentile, the formulas of `F_i` are only an
 //! approximation. [`allocate_judged`] then judges each solution by the full error model of the cell. The
-//! function adapts the linear requirements until the judged figures are within the limits.
+//! function adapts these formulas until the judged figures are within the limits.
 
 mod cone_cut;
 mod cone_program;

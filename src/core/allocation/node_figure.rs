@@ -75,13 +75,13 @@ impl NodeFigure<'_> {
     }
 
     /// Returns whether the figure is a percentile with a probability of at least 0.8 (a high percentile) in
-    /// the statistical reading. In the linear error model, the square of such a figure is a convex function
-    /// of the squared scales.
+    /// the statistical reading. Tests indicate that, in the linear error model, the square of such a figure
+    /// is a convex function of the squared scales. This property is not proven.
     ///
-    /// The reason is as follows. Consider normal errors with mean 0, and let c be the square of the
-    /// percentile for a unit variance in one direction. The squared percentile then lies between c times the
-    /// largest eigenvalue and c times the trace of the covariance. The square of a mean or of a low
-    /// percentile is not convex.
+    /// Consider normal errors with mean 0, and let c be the square of the percentile for a unit variance in
+    /// one direction. The squared percentile of these errors lies between two convex functions of the
+    /// covariance. These functions are c times the largest eigenvalue and c times the trace. The square of a
+    /// mean or of a low percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,
@@ -132,11 +132,11 @@ impl NodeFigure<'_> {
     /// Returns None for a worst case.
     ///
     /// A percentile is high if its probability is at least 0.8, and low otherwise. Consider normal errors of
-    /// equal mean square. A high percentile is least if the variance is equal in
-    /// all directions. A low percentile is least if all errors lie along one line. A high percentile of a
-    /// bounded error may be below the same percentile of a normal error. The percentile of the bounded error
-    /// is still at least the root mean square. If an error is bounded, the result is therefore 1 for a high
-    /// percentile, and 0 for a low percentile.
+    /// equal mean square. A high percentile is least if the variance is equal in all directions. A low
+    /// percentile is least if all errors lie along one line. A high percentile can be lower for a bounded
+    /// error than for a normal error. The percentile of the bounded error is still at least the root mean
+    /// square. If an error is bounded, the result is therefore 1 for a high percentile, and 0 for a low
+    /// percentile.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;

@@ -85,8 +85,9 @@ impl TolerancePricing {
 
     /// Returns the cost of the cheapest tolerances with which no figure exceeds its limit of 1.
     ///
-    /// A figure may exceed its limit even at the tightest tolerances. The result is then the cost of these
-    /// tolerances multiplied by the largest figure.
+    /// If a figure exceeds its limit even at the tightest tolerances, no tolerances meet the limits. The
+    /// result is then the cost of the tightest tolerances multiplied by the largest figure at these
+    /// tolerances.
     pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
         let mut largest = |end: fn(&ToleranceCost) -> f64| {
             let scales: Vec<f64> = self.costs.iter().map(end).collect();

@@ -137,7 +137,7 @@ impl<'a> CellAllocation<'a> {
         let Some(first) = self.requirements.iter().find(is_beyond) else { return Ok(()) };
         let name = shown(&cell.operations[first.operation].name);
         let why = format!(
-            "interpreted as tolerances, these errors would displace {name} by {:.0} mm, which is more than the reach of the arm; in the calibrated arm, these errors compensate each other",
+            "if these errors were tolerances, the error of {name} would be {:.0} mm, more than the reach of the arm; in the calibrated arm, these errors compensate each other",
             mm_from_m(first.before)
         );
         let help = "choose an error set of tolerances with --errors; `sweetspot errors` creates such a set";
@@ -179,7 +179,7 @@ impl<'a> CellAllocation<'a> {
         Ok(())
     }
 
-    /// Returns whether the error of a requirement at the allocated tolerances is at most 0.01 % below its
+    /// Returns whether the error of a requirement at the allocated tolerances is at least 99.99 % of the
     /// limit.
     pub fn is_binding(&self, requirement: usize, found: &JudgedAllocation) -> bool {
         found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)

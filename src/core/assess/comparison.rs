@@ -84,14 +84,14 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
             format!("{reading} {quantity}").trim().to_string() + &format!(" with registration {registration}")
         };
         return refuse(format!(
-            "the reading of the first is {}, of the second {}",
+            "the reading of the first is {}; the reading of the second is {}",
             said(a.cell),
             said(b.cell)
         ));
     }
     if a.cell.search.objective != b.cell.search.objective {
         let [x, y] = [a, b].map(|a| a.cell.search.objective.name());
-        return refuse(format!("the objective of the first is {x}, of the second {y}"));
+        return refuse(format!("the objective of the first is {x}; the objective of the second is {y}"));
     }
     if a.cell.search.robust != b.cell.search.robust {
         return refuse("only one of them is evaluated with its placement tolerances (robust = true)".into());

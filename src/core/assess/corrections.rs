@@ -49,8 +49,8 @@ pub struct OperationCorrector<'a> {
 }
 
 impl<'a> OperationCorrector<'a> {
-    /// Prepares the correction of one operation. Returns None if no error of robot or equipment has a known
-    /// value other than 0.
+    /// Prepares the correction of one operation. Returns None if no value of an error is known, or if all
+    /// known values are 0. The errors of robot and equipment count.
     ///
     /// A tolerance does not state the actual value of an error, so no correction can be computed.
     pub fn new(workcell: &'a Workcell, operation: usize) -> Option<Self> {

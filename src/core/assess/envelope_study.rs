@@ -137,15 +137,16 @@ pub struct RobotDataSheet<'a> {
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// Working envelope; None for a redundant arm and for numeric inverse kinematics, because the computation
-    /// would take many seconds.
+    /// Working envelope; None if the inverse kinematics is slow ([`Cost::High`] or [`Cost::Numeric`]). The
+    /// computation of such an envelope would take many seconds.
     pub envelope: Option<SheetEnvelope>,
 }
 
 /// Working envelope on the data sheet of a robot.
 pub struct SheetEnvelope {
-    /// Elevation of the tool axis, rad. If the elevation is the same in every posture of the arm, it is this
-    /// elevation. For any other arm, the tool axis points straight down.
+    /// Elevation of the tool axis for which the envelope is computed, rad. Some arms hold the tool axis at
+    /// one elevation in every posture, and the envelope uses this elevation. For any other arm, the tool axis
+    /// points straight down.
     pub elevation: f64,
     pub size: Size,
     /// Distance between sampled points, m.

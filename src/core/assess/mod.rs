@@ -155,7 +155,7 @@ impl<'a> Assessment<'a> {
         self.evaluation.objective.is_some() && is_certified && self.robustness.iter().all(holds)
     }
 
-    /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
+    /// Returns coarse outlines of the area that the arm reaches at the height of an operation's TCP.
     ///
     /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. The list is
     /// empty if the layout does not fit the cell ([`Evaluation::misfit`]).
@@ -254,9 +254,9 @@ impl<'a> Assessment<'a> {
     /// of failures, which already counts the arms that exceed the limit.
     ///
     /// If the objective is the cost of tolerances, the limit in the result is the cost of the tightest
-    /// tolerances. This rule also applies if the quantity is the yield. The error may exceed its limit even
-    /// at the tightest tolerances. The cost of the operation is then the cost of the tightest tolerances
-    /// times the ratio of error to limit. The margin is therefore negative.
+    /// tolerances. This rule also applies if the quantity is the yield. If the error exceeds its limit even
+    /// at the tightest tolerances, the margin is negative. The cost of the operation is then the cost of the
+    /// tightest tolerances times the ratio of error to limit.
     ///
     /// If the cost of tolerances is only one of several goals, the result is None. The limits then apply to
     /// the errors at the chosen tolerances, not at the tolerances of the error set.
@@ -319,7 +319,7 @@ pub struct Requirement {
     /// exceeded.
     ///
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
-    /// The error stays if no such bound is known.
+    /// If no such bound is known, the error itself counts.
     pub margin: f64,
     /// Margin without misplacements: limit minus the error of the layout as drawn.
     pub drawn: f64,

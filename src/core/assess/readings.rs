@@ -117,8 +117,8 @@ impl<'a> Readings<'a> {
         self.operations.iter().flatten().any(|row| row.choice.is_ok())
     }
 
-    /// Returns the largest regret: the index of the operation, the row and the regret itself
-    /// ([`ReadingRow::ratio`]). Returns None if no row has a regret.
+    /// Finds the row with the largest regret ([`ReadingRow::ratio`]). Returns the index of its operation, the
+    /// row and the regret. Returns None if no row has a regret.
     pub fn largest_regret(&self) -> Option<(usize, &ReadingRow, f64)> {
         let all = self.operations.iter().enumerate().flat_map(|(k, rows)| rows.iter().map(move |r| (k, r)));
         let ratios = all.filter_map(|(k, row)| Some((k, row, row.ratio()?)));
@@ -128,7 +128,7 @@ impl<'a> Readings<'a> {
         })
     }
 
-    /// Returns the row of the worst-case reading of an operation under a registration.
+    /// Returns the row of an operation under the worst-case reading and the given registration.
     pub fn worst_case(&self, operation: usize, registration: Registration) -> Option<&ReadingRow> {
         let wanted = |r: &&ReadingRow| r.reading == Reading::WorstCase && r.registration == registration;
         self.operations[operation].iter().find(wanted)

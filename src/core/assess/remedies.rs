@@ -27,7 +27,7 @@ impl Remedy {
 /// Least gain that counts, as a share of the error of the layout as drawn.
 const NO_GAIN: f64 = 0.01;
 
-/// The four remedies side by side.
+/// Comparison of the four remedies in [`Remedy`], each with its layout.
 pub struct Remedies<'a> {
     /// One layout for each remedy, in the order of [`Remedy::ALL`].
     columns: [Assessment<'a>; 4],
@@ -68,8 +68,8 @@ impl<'a> Remedies<'a> {
         Some(1.0 - self.objective(remedy)? / drawn)
     }
 
-    /// Returns whether an operation has a limit and the objective is an error. Any other objective (share of
-    /// failures or cost of tolerances) already depends on the limits.
+    /// Returns whether the objective is an error and at least one operation has a limit. Any other objective
+    /// (share of failures or cost of tolerances) already depends on the limits.
     pub fn has_limits(&self) -> bool {
         let [drawn, ..] = &self.columns;
         drawn.cell.unit().is_error() && drawn.cell.operations.iter().any(|o| o.limit.is_some())

@@ -21,7 +21,7 @@ const FAR: f64 = 0.05;
 /// Largest share of the positions of a session that are left out as gross errors. If more positions are suspect,
 /// the model may not fit the session.
 const MOST: f64 = 0.1;
-/// Least number of positions of a session in which gross errors are sought.
+/// Least number of positions in a session. Gross errors are not sought in a session with fewer positions.
 pub const LEAST_POSITIONS: usize = 20;
 /// Least number of positions that remain for each reflector.
 const LEAST_OF_REFLECTOR: usize = 3;

@@ -52,11 +52,11 @@ impl Calibration {
 
     /// Returns the variance, rad^2, that the uncertainty of a periodic error adds to the error of its joint.
     ///
-    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, the result is a
-    /// first term minus a second term, but at least 0. The first term is the variance of the sum of the
-    /// joint-zero error dq and the periodic error. This variance is averaged over the measured range. The
-    /// second term is the variance that the error set already states for the joint-zero error.
-    /// [`Self::covariance_beside_periodic_errors`] contains this second variance.
+    /// For an arm with joint coupling, the result is [`Self::periodic_variance`]. For any other arm, the
+    /// result is the difference of two variances, but at least 0. The first variance is that of the sum of
+    /// the joint-zero error dq and the periodic error. It is averaged over the measured range. The second
+    /// variance is the one that the error set already states for the joint-zero error.
+    /// [`Self::covariance_beside_periodic_errors`] contains the second variance.
     pub fn variance_of_periodic_error(&self, joint: usize) -> f64 {
         if self.is_coupled() {
             return self.periodic_variance(joint);

@@ -2,7 +2,8 @@
 //!
 //! A session is one set-up of the measuring instrument and the reflectors. Let B be the pose of the robot
 //! base in the frame of the instrument. Let f be the position of a reflector in the frame of the mechanical
-//! interface, and T(q) the pose of that interface with errors. The model of the measured position is
+//! interface. Let T(q) be the pose of that interface in the base frame. This pose depends on the actuator
+//! coordinates q and on the errors of the robot. The model of the measured position is
 //!
 //! ```text
 //! p = B T(q) f
@@ -10,15 +11,16 @@
 //!
 //! Each session has its own B and f. The errors in T are common to all sessions. These errors comprise errors
 //! of the Denavit-Hartenberg rows, elastic terms, and periodic errors of the joints. Between parallel axes,
-//! dbeta replaces dr (Hayati 1983). The fit minimizes, with Huber's loss,
+//! dbeta replaces dr (Hayati 1983). The fit minimizes this sum:
 //!
 //! ```text
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
-//! by Newton's method with exact derivatives. Here `s_k` is the prior standard deviation of parameter `a_k`.
-//! `S_i` is the covariance of the error that the parameters do not explain (see `residual_variances`). On a
-//! real arm, most of the unexplained error comes from the joints.
+//! Newton's method with exact derivatives finds the minimum, but ignores second derivatives with respect to
+//! harmonics. If a residual is large, Huber's loss replaces its term in the sum. Here `s_k` is the prior
+//! standard deviation of parameter `a_k`. `S_i` is the covariance of the error that the parameters do not
+//! explain (see `residual_variances`). On a real arm, most of the unexplained error comes from the joints.
 
 mod accuracy;
 mod deformed;

@@ -40,8 +40,8 @@ impl PlanProblem {
         PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
     }
 
-    /// Chooses `count` candidates that leave the least expected error at the task, the most informative
-    /// first.
+    /// Chooses `count` candidates that leave a small expected error at the task. Returns their indices; the
+    /// most informative candidate comes first.
     ///
     /// A greedy method first adds one candidate after another. Then at most `PASSES` passes exchange each
     /// pose for a better candidate if there is one (Fedorov 1972). `progress` receives the number of

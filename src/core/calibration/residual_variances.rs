@@ -47,9 +47,9 @@ const CORRELATED: [f64; 2] = [4.0, 2.0];
 /// Variances of the errors that the identified parameters do not explain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualVariances {
-    /// Variance of every actuator coordinate, rad^2 or m^2.
+    /// Variance of the error of every actuator coordinate, rad^2 or m^2.
     pub joints: Vec<f64>,
-    /// Variance of a position per axis, m^2.
+    /// Variance per axis of the part of the position error that no joint causes, m^2.
     pub position: f64,
     expected: Vec<f64>,
     /// Factor that enlarges the variances of the joints in the fit.
@@ -72,8 +72,8 @@ impl ResidualVariances {
 
     /// Returns the covariance of the unexplained error of one measured position, m^2.
     ///
-    /// `drives` holds the displacement of the point per unit of every actuator, and `stated` the stated
-    /// standard deviation of the measurement per axis, m.
+    /// `drives` holds the displacement of the measured point per unit of every actuator coordinate. `stated`
+    /// is the standard deviation per axis that the file of the measurement states, m.
     pub fn covariance(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let own = Matrix3::identity() * (self.position + stated.unwrap_or(0.0).powi(2));
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)

@@ -70,7 +70,8 @@ pub struct Calibration {
 /// Harmonics must come after all other unknowns. The fit adjusts the prior standard deviations of the
 /// harmonics.
 ///
-/// Returns an error that states why the sessions cannot be fitted.
+/// # Errors
+/// Returns the reason if the sessions cannot be fitted.
 pub fn calibrate(
     chain: &Chain,
     sessions: &[MeasuringSession],

@@ -77,9 +77,9 @@ pub(super) const FARTHEST_REFLECTOR: f64 = 0.3;
 /// Least standard deviation of a measured position per axis, m; no instrument is more accurate.
 const FINEST: f64 = 1e-6;
 
-/// Returns the frames of a session that fit the measured positions best, by least squares. Positions may
-/// leave a coordinate of a reflector undetermined, for example its height below a flange that always points
-/// down. Such a coordinate stays near 0, its value at the origin of the mechanical interface.
+/// Returns the frames of a session that fit the measured positions best, by least squares. In some sessions,
+/// the positions do not determine a coordinate of a reflector. An example is the height below a flange that
+/// always points down. Such a coordinate stays near 0, its value at the origin of the mechanical interface.
 ///
 /// The first estimate of the base is a rigid motion (Kabsch 1976). This motion best moves the origins of the
 /// mechanical interface onto the measured positions. Returns None if the positions do not determine this

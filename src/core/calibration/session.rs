@@ -10,7 +10,8 @@ use std::collections::HashSet;
 /// Measured position of one reflector at one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPosition {
-    /// Line of the file, counted from 1. Positions of several reflectors at one posture may share a line.
+    /// Line of the file, counted from 1. One line can hold the positions of several reflectors at one
+    /// posture.
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,

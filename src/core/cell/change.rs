@@ -11,7 +11,8 @@ use super::tolerance_cost::ToleranceCost;
 impl Cell {
     /// Returns this cell with a controller that compensates the means of the measured errors of the robot.
     ///
-    /// The deviations of the parameters remain. Returns None if the errors of the robot are not measured.
+    /// The deviations of the parameters from these means remain. Returns None if the errors of the robot are
+    /// not measured.
     pub fn compensated(&self) -> Option<Cell> {
         let mut cell = self.clone();
         let axes = cell.robot.axes();
@@ -21,11 +22,11 @@ impl Cell {
         Some(cell)
     }
 
-    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay
-    /// unchanged.
+    /// Returns this cell with the tolerance of every parameter multiplied by the result of `scale` for the
+    /// parameter. Correlated and measured errors stay unchanged.
     ///
-    /// The values of a signed sample are replaced by tolerances. Each tolerance is the magnitude of a value
-    /// times its scale.
+    /// In a signed sample, a tolerance replaces the value of each parameter. This tolerance is the magnitude
+    /// of the value, multiplied by the result of `scale`.
     pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Cell {
         let mut cell = self.clone();
         let parameters = Parameter::of_robot(self.robot.axes());
@@ -100,8 +101,8 @@ impl Cell {
         cell
     }
 
-    /// Returns this cell with fixed coordinates made free again. Each such coordinate gets the range that it
-    /// has in the cell `wide`.
+    /// Frees each fixed coordinate of this cell that is free in the cell `wide`, and returns this cell. Each
+    /// such coordinate gets the range that it has in `wide`.
     ///
     /// A search can thus start from the result of an earlier search, in which all coordinates are fixed.
     ///

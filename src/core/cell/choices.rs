@@ -229,8 +229,8 @@ pub struct SearchSettings {
     /// Relative difference up to which two objectives count as equally good.
     ///
     /// The lexicographic objective divides values into steps of this relative width. The last phase of a
-    /// search selects a layout with much room. The objective of this layout may exceed the least objective by
-    /// this share. The objective may also grow by this share within the region of a piece.
+    /// search selects a layout with much room. The objective of this layout exceeds the least objective by at
+    /// most this share. Within the region of a piece, the objective grows by at most this share.
     pub indifference: f64,
     /// Resolution of the layout: the coordinates that a search finds are multiples of this resolution.
     pub resolution: Resolution,
@@ -303,9 +303,9 @@ impl SearchSettings {
 }
 
 impl SearchSettings {
-    /// Returns whether the search takes the cost of tolerances into account. If so, the search computes
-    /// the cheapest tolerances with which every operation stays within its limit. A layout may then be
-    /// accepted although its error with the present tolerances exceeds the limit.
+    /// Returns whether the search takes the cost of tolerances into account. If so, the search computes the
+    /// cheapest tolerances with which every operation stays within its limit. The search then accepts some
+    /// layouts whose error at the present tolerances exceeds the limit.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

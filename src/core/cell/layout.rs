@@ -39,8 +39,7 @@ pub struct Layout {
 impl Layout {
     /// Returns the value of a coordinate, m or rad.
     ///
-    /// A layout that does not belong to the cell may lack a placement or an attitude. The result is then the
-    /// nominal value in the cell.
+    /// If the layout lacks the placement or the attitude, the result is the nominal value in the cell.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],

@@ -1,4 +1,4 @@
-//! Model of a workcell: robot, equipment and operations, and how the errors are interpreted.
+//! Model of a workcell: robot, equipment, operations, and the interpretation of the errors.
 //!
 //! A [`Cell`] is plain data in m and rad. The reader of cell files validates each cell, so no other code
 //! checks the cell again.

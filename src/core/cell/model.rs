@@ -82,8 +82,8 @@ impl Placement {
 /// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame in which the placement is
 /// given.
 ///
-/// The tolerance assumes that the robot's programmer knows the actual placement and adapts the program to it.
-/// A placement error that stays unknown belongs to the `errors` of the equipment instead.
+/// The programmer of the robot must know the actual placement and adapt the program to it. An unknown
+/// placement error does not belong to this tolerance, but to the `errors` of the equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlacementTolerance(pub [f64; 4]);
 

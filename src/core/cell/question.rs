@@ -93,7 +93,7 @@ impl Cell {
     }
 
     /// Returns a copy of this cell with another interpretation of its errors. The senses of the operations
-    /// may have different units.
+    /// are allowed to have different units.
     ///
     /// The caller must use the copy only for values of single operations, and must not add up these values.
     ///
@@ -213,7 +213,8 @@ impl Cell {
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
                 let message =
                     format!("`{}` is judged by the {} over its nodes", operation.name, operation.over.name());
-                let help = "use over = \"best\", or over = \"max\" to apply the limit to every node";
+                let help =
+                    "use over = \"best\" (limit at the best node) or over = \"max\" (limit at every node)";
                 refuse(
                     About::Operation(k),
                     format!(

@@ -104,8 +104,8 @@ pub struct LinkMass {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCollision {
     pub checked: bool,
-    /// Pairs of [`Robot::solids`] that may touch. Two solids may also touch if they belong to one link or to
-    /// neighbouring links.
+    /// Pairs of [`Robot::solids`] that are allowed to touch. A contact is also allowed if two solids belong
+    /// to one link or to neighbouring links.
     pub allowed: Vec<(usize, usize)>,
 }
 
@@ -153,8 +153,8 @@ pub struct Robot {
     /// Masses of the links and of the tool; a robot without masses has no gravity torques.
     pub masses: Vec<LinkMass>,
     pub self_collision: SelfCollision,
-    /// Time from rest to full speed of the joints whose acceleration is unknown, s; None if the file states
-    /// no such time.
+    /// Time, s, that each joint without a stated acceleration needs from rest to full speed. None if the file
+    /// states no such time.
     pub full_speed_after: Option<f64>,
     /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,

@@ -2,7 +2,7 @@
 //!
 //! The tolerance is given as the scale `u = t / t0`, where `t0` is the tolerance of the error set.
 
-/// Least and greatest scale of a tolerance if the file states no range.
+/// Least and greatest scale of a tolerance whose cost model states no range of scales.
 pub const DEFAULT_SCALES: (f64, f64) = (0.1, 3.0);
 
 /// Relative rounding margin for the comparison of two scales. A grade counts as looser than the scale `u`

@@ -14,9 +14,10 @@ use std::f64::consts::TAU;
 pub struct JointEnclosure {
     /// Half widths of the D-H coordinates about the nominal posture, rad or m; 0 for joints that do not move.
     pub half: JointVector,
-    /// First-order changes of the D-H coordinates, rad or m, with one entry per [`BoxAxis`].
+    /// First-order changes of the D-H coordinates, rad or m, with one entry per axis of the target box
+    /// ([`BoxAxis`]).
     ///
-    /// For each entry, the target moves along that axis by the half width of the target box.
+    /// The entry of an axis is the change if the target moves along this axis by the half width of the box.
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,

@@ -85,17 +85,17 @@ impl NotCertified {
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
                 format!(
-                    "joint {} could exceed its limit, less the margin, by {by:.2} {unit}",
+                    "joint {} could exceed its limit (minus the margin) by {by:.2} {unit}",
                     shown(&joint.name)
                 )
             }
             Self::Singular { measure } => format!(
-                "nearly singular: the singularity measure may be as low as {measure:.4}, below the margin {}",
+                "nearly singular: the singularity measure could be as low as {measure:.4}, below the margin {}",
                 cell.margins.singularity
             ),
             Self::Clearance(Hit { solid, other }) => {
                 format!(
-                    "{} and {} may come nearer to each other than the clearance",
+                    "{} and {} could come nearer to each other than the clearance",
                     solid.in_words(cell),
                     other.in_words(cell)
                 )

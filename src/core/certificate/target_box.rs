@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 pub enum BoxAxis {
     /// Coordinate x, y or z of the target in the base frame.
     Position(usize),
-    /// Heading: horizontal direction from which the azimuth of the tool is measured, as an angle about the
-    /// vertical axis.
+    /// Heading: horizontal direction from which the azimuth of the tool is measured. The coordinate is the
+    /// angle of this direction about the vertical axis.
     Heading,
 }
 

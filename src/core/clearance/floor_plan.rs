@@ -244,8 +244,8 @@ impl FloorPlan {
     /// overlap of a piece of equipment with a piece that carries it is also left out.
     ///
     /// Each piece of equipment is checked against every other piece, the robot base, the keep-out boxes, the
-    /// floor and the fence. The robot base is checked against the fence. Obstacles may reach into keep-out
-    /// boxes and beyond the fence.
+    /// floor and the fence. The robot base is checked against the fence. Obstacles are allowed to reach into
+    /// keep-out boxes and beyond the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
         found.clear();
         if !self.enabled {

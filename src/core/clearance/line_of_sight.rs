@@ -10,8 +10,8 @@ use parry3d::query::Ray;
 use parry3d::shape::{Cuboid, Shape};
 
 impl Scene {
-    /// Returns the solid of equipment, fence or robot base that contains a point (world frame, m); None if no
-    /// solid contains the point.
+    /// Returns the solid that contains a point (world frame, m). Only solids of equipment, fence and robot
+    /// base are checked. Returns None if none of these solids contains the point.
     ///
     /// For a point below the floor, the result is the floor.
     pub fn solid_at(&self, placed: &PlacedSolids, point: &Vector3<f64>) -> Option<SolidRef> {

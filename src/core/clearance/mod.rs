@@ -10,7 +10,7 @@
 //! solids are enlarged once, when the cell is loaded. The enlargement is the clearance plus 1e-7 m
 //! (`TOUCHING` in `robot_solids`). So every check is a plain intersection test. Enlarged capsules, spheres,
 //! boxes and cylinders are exact, because parry3d has rounded shapes for them. Solids that touch count as a
-//! collision, but floor spaces may touch.
+//! collision, but a contact of floor spaces is allowed.
 //!
 //! A convex equipment mesh is checked as a convex polyhedron. Any other equipment mesh is checked triangle by
 //! triangle. Both checks are exact. Link meshes, which move, are checked as convex parts that contain the

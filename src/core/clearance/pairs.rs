@@ -41,8 +41,8 @@ impl Load {
     /// Returns the load while the robot moves from one operation to another: the held parts of both
     /// operations.
     ///
-    /// Each argument is a pair: the index of an operation, and a flag. The flag states whether the part of
-    /// this operation may rest on the surface during the motion.
+    /// Each argument is a pair: the index of an operation, and a flag. If the flag is true, the part of this
+    /// operation is allowed to rest on the surface during the motion.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {
         Self { held: [Some(from), Some(to)] }
     }

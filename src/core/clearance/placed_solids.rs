@@ -21,7 +21,7 @@ pub struct PlacedSolids {
 
 /// Memory that speeds up [`Scene::is_free`](super::Scene::is_free) over a series of postures.
 ///
-/// The memory never changes a verdict, so it may be used for several layouts.
+/// The memory never changes the result of a check, so one memory can serve several layouts.
 #[derive(Default)]
 pub struct ContactMemory {
     /// Indices of the robot solid and of the placed solid in the last contact.

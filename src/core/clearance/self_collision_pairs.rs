@@ -12,7 +12,7 @@ use crate::robot::Chain;
 /// robot.
 const SAMPLES: usize = 400;
 
-/// Reason why two solids of the robot may touch each other.
+/// Reason why a contact of two solids of the robot is allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
     /// The two solids belong to one rigid body.
@@ -42,7 +42,7 @@ impl Allowed {
 pub struct SelfCollisionPair {
     pub a: SolidRef,
     pub b: SolidRef,
-    /// Reason why the two solids may touch; None if a contact is a collision.
+    /// Reason why a contact of the two solids is allowed; None if a contact is a collision.
     pub allowed: Option<Allowed>,
 }
 

@@ -117,7 +117,7 @@ pub struct Field {
     pub senses: Vec<Sense>,
     /// Sense of the operation, as an index into [`Self::senses`].
     pub sense: usize,
-    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid. Points that the
+    /// Numbers of nodes in [`Self::nodes`] along the first and the second axis of the grid. Points that the
     /// cell file lists one by one count as one row along the first axis.
     pub size: (usize, usize),
     /// All mapped nodes, or a regular selection of them ([`Self::every`]).

@@ -4,7 +4,8 @@ use crate::assess::Assessment;
 use crate::region::{MovableBody, Region};
 use nalgebra::Vector3;
 
-/// Region in which the frame origin of one piece (robot base or equipment) may lie, in the world frame.
+/// Region of one piece (robot base or equipment): positions of its frame origin at which the layout is
+/// feasible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnRegion {
     /// Name of the equipment, or `robot base`.

@@ -302,8 +302,8 @@ impl PlacedLayout<'_> {
     /// None if no bound is known.
     ///
     /// # Errors
-    /// Returns the reason if no bounds on the joint coordinates within the joint limits are found. The other
-    /// conditions of a certificate are not checked.
+    /// Returns the reason if there are no bounds of the joint coordinates ([`JointEnclosure`]), or if these
+    /// bounds exceed the joint limits. The other conditions of a certificate are not checked.
     pub fn most(
         &self,
         operation: usize,

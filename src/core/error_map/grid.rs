@@ -92,14 +92,16 @@ impl Grid {
         Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, at.z + self.standoff)
     }
 
-    /// Computes the TCP target of one node, m, in the frame in which `at` is given.
+    /// Computes the TCP target of one node of a surface placed at `at`.
+    ///
+    /// The target (m) is in the frame in which `at` is given.
     pub fn target(&self, at: &Placement, node: usize) -> Vector3<f64> {
         self.point(at, self.local(node))
     }
 
     /// Computes a lower and an upper bound, m, of all distances from the point `from` to the TCP targets.
     ///
-    /// `from` and `at` must be given in the same frame.
+    /// The surface is placed at `at`. The arguments `from` and `at` must be given in the same frame.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = at.yaw.sin_cos();
         let (dx, dy) = (from.x - at.x, from.y - at.y);

@@ -16,8 +16,8 @@ pub struct PointSpot {
 ///
 /// Closed-form inverse kinematics finds the posture again by its branch index. If the inverse kinematics has
 /// no such indices (see [`Inverse::keeps_branches`]), its solver starts at the kept joint coordinates. If
-/// the arm has six or more joints, this solver rotates the tool about the vertical together with
-/// [`Self::heading`].
+/// the arm has six or more joints, this solver also rotates the tool about the vertical. The angle of this
+/// rotation is the difference between the new reference azimuth and the kept one ([`Self::heading`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.

@@ -144,7 +144,8 @@ impl NodeRecord {
 /// Posture reported for a node, with its errors in the world frame.
 ///
 /// In the signed reading, these are the errors of the signed sample. In the other readings, these are the
-/// errors at the corner of the tolerance box that is worst in the sense of the operation.
+/// errors at one corner of the tolerance box. At this corner, the error component that matters to the
+/// operation (its sense) is largest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u64,

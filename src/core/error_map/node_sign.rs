@@ -23,8 +23,8 @@ pub enum NodeSign {
     /// No posture can be used, and the least-error posture collides. Nodes whose equipment overlaps something
     /// also belong to this class.
     Collision,
-    /// No posture can be used. The least-error posture is collision-free. A posture at the node, or on the
-    /// approach or retract line, is too near to a singular posture.
+    /// No posture can be used. The least-error posture is collision-free. This posture, or another posture on
+    /// its approach or retract line, is too near to a singular posture.
     Singular,
     /// The straight line to the node is blocked.
     #[serde(rename = "approach")]

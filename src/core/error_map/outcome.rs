@@ -71,7 +71,7 @@ impl Unjudged {
                 "the surface frame cannot be taught: the robot cannot touch three points that form a triangle"
             }
             Unjudged::OnlyTouched => {
-                "the robot reaches no nodes except the points that it touches to teach the surface frame"
+                "the robot reaches only the nodes that it touches to teach the surface frame"
             }
             Unjudged::NoPick => "the operation that picks the part has no spot",
             Unjudged::NotALayout => "the layout does not belong to the cell",

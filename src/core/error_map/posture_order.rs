@@ -85,7 +85,7 @@ impl Mapper {
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")
         } else if !self.arm.inverse.has_spin_families(attitudes) {
-            Some("the postures at a target do not form families that differ in the last joint alone")
+            Some("the postures at a target do not form families in which only the last joint differs")
         } else if !self.setups[operation].evaluator.has_spin_bound() {
             Some("no lower bound of the error is known for a spin family under this reading and sense")
         } else {

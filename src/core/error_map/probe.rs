@@ -105,8 +105,9 @@ impl<'a> Probe<'a> {
     /// Computes the value of the operation ([`Spot::value`]) in a held posture, even if this posture
     /// collides.
     ///
-    /// The posture may also exceed a joint limit if the inverse kinematics is in closed form. Returns None if
-    /// no branch in this layout corresponds to the posture, or if the errors cannot be computed.
+    /// If the inverse kinematics is in closed form, the posture is also allowed to exceed joint limits.
+    /// Returns None if no branch in this layout corresponds to the posture, or if the errors cannot be
+    /// computed.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.query.branch_beyond_limits(held)?;
         self.query.value(&branch.posture, self.memory.postures).ok()

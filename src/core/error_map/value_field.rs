@@ -61,7 +61,7 @@ impl ValueField {
         Self { elevation, height, radius, bounds }
     }
 
-    /// Notes a lower bound of the value of postures whose height and radius lie in the given ranges, m.
+    /// Notes a lower bound of the value at all nodes whose height and radius lie in the given ranges, m.
     pub fn note(&mut self, height: (f64, f64), radius: (f64, f64), bound: f64) {
         let cells = |ticks: &Ticks, (low, high): (f64, f64)| {
             let is_inside = high + SLACK >= ticks.low && low - SLACK <= ticks.high;

@@ -26,8 +26,8 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Threshold, m or rad, below which an error counts as a rounding error. A registration can leave such a
-/// residual.
+/// Threshold, m or rad, below which an error counts as a rounding error. For example, a registration can
+/// leave a rounding error where the exact error is 0.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear

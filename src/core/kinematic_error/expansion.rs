@@ -162,7 +162,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Returns an expansion with derivatives with respect to all parameters of the robot.
+    /// Returns an expansion that holds the derivatives with respect to all parameters of the robot.
     pub fn new(chain: &Chain) -> Self {
         let axes = chain.axes();
         let drives = (0..axes).map(|j| {
@@ -184,7 +184,7 @@ impl Expansion {
         Self { axes, joint_frames, terms, drives, wanted, loads, periodic, elastic: elastic.collect() }
     }
 
-    /// Returns an expansion with derivatives with respect to `parameters` (indices) alone. All other
+    /// Returns an expansion that holds only the derivatives with respect to `parameters` (indices). All other
     /// derivatives are undefined.
     pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
         let mut expansion = Self::new(chain);

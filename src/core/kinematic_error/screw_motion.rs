@@ -20,7 +20,7 @@ pub struct ScrewMotion {
     pub through: Vector3<f64>,
     /// Index of the error source.
     pub source: usize,
-    /// Size of the motion per unit of the source.
+    /// Signed angle (rad) or length (m) of the motion per unit of the source.
     pub factor: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct LayoutCertificate {
 }
 
 impl LayoutCertificate {
-    /// Returns whether the layout is certified as a whole.
+    /// Returns whether every operation is certified and [`Self::overlaps`] is empty.
     pub fn holds(&self) -> bool {
         self.overlaps.is_empty() && self.operations.iter().all(|o| matches!(o, Some(Ok(_))))
     }

@@ -13,7 +13,7 @@ use crate::safe_text::shown;
 pub enum Ending {
     /// The objective exceeds the largest objective that is allowed.
     Objective,
-    /// The value of the operation may exceed its limit.
+    /// The value of the operation, or an upper bound of this value, exceeds the limit of the operation.
     Limit(usize),
     Overlap(Overlap),
     /// The operation cannot keep its posture.

@@ -37,8 +37,9 @@ pub struct Evaluation {
     pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
-    /// Spots of all nodes of each operation that happens at every node, in the order of the nodes. An entry is
-    /// None for any other operation, or if the evaluation does not need these spots.
+    /// Spots of each operation that happens at every node: one spot per node, in the order of the nodes. An
+    /// entry is None for any other operation, or if a node cannot be used. An entry is also None if the
+    /// evaluation does not need these spots.
     pub every_node: Vec<Option<Vec<Spot>>>,
     /// Transfers between consecutive operations; empty if the cell does not ask for transfers.
     ///

@@ -106,7 +106,7 @@ impl<'a> HeldLayout<'a> {
     /// not check whether the moved equipment obstructs these operations or the transfers.
     ///
     /// # Errors
-    /// Returns the reason as [`Self::judge`] does.
+    /// Returns the first reason against the layout, as [`Self::judge`] does.
     pub fn estimate_moved(
         &self,
         layout: &Layout,
@@ -125,7 +125,7 @@ impl<'a> HeldLayout<'a> {
     /// transfers.
     ///
     /// # Errors
-    /// Returns the reason as [`Self::judge`] does.
+    /// Returns the first reason against the layout, as [`Self::judge`] does.
     pub fn judge_moved(
         &self,
         layout: &Layout,
@@ -144,8 +144,8 @@ impl<'a> HeldLayout<'a> {
     }
 
     /// Returns the spot and the values of every operation that is independent of the equipment with the index
-    /// `equipment`. The values are those of the layout whose spots are kept. Returns None if this layout is
-    /// infeasible.
+    /// `equipment`. The values are those in the layout whose spots are kept ([`Self::layout`]). Returns None
+    /// if [`Self::judge`] refuses this layout.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let own = || {

@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Slot};
 
-/// Coordinates of a layout that are misplaced, with the size of each misplacement (m or rad).
+/// Coordinates of a layout, each with a signed misplacement or the half width of a tolerance (m or rad).
 pub type Moves = Vec<(Slot, f64)>;
 
 /// Largest number of dimensions of a box whose corners are all checked. A larger box is checked body by

@@ -54,7 +54,8 @@ impl FreeCoordinate {
     }
 }
 
-/// Finds a layout without overlaps near `layout`, by a few convex programs.
+/// Returns a layout that has no overlaps and differs little from `layout`. A few convex programs compute the
+/// new layout.
 ///
 /// Returns None if these programs find no such layout, or if `layout` does not belong to the cell. A layout
 /// without overlaps is returned unchanged.

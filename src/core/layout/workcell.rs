@@ -38,7 +38,7 @@ impl Workcell {
     /// Prepares a cell with a cache for the convex decomposition of link meshes.
     ///
     /// # Errors
-    /// Returns the reason as [`Self::new`] does.
+    /// Returns an error in the same cases as [`Self::new`].
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
         let plan = Arc::new(FloorPlan::new(&cell));
@@ -58,13 +58,13 @@ impl Workcell {
         self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
-    /// Returns this workcell under another interpretation of its errors. The senses of the operations may
-    /// have different units. Use the result only for values of single operations, not for an objective that
-    /// combines them.
+    /// Returns this workcell under another interpretation of its errors. The senses of the operations are
+    /// allowed to have different units. Use the result only for values of single operations, not for an
+    /// objective that combines them.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does. Senses with different units are no such reason
-    /// here.
+    /// Returns the reason if the interpretation does not suit the cell, or if the robot cannot hold an
+    /// attitude. Different units of the senses are not an error.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell
@@ -73,8 +73,8 @@ impl Workcell {
         )
     }
 
-    /// Returns this workcell with every tolerance multiplied by the `scale` of its parameter. Both
-    /// workcells share the solids.
+    /// Returns this workcell with scaled tolerances. The tolerance of a parameter is multiplied by the factor
+    /// that `scale` returns for this parameter. Both workcells share the solids.
     ///
     /// # Errors
     /// Returns the reason if the robot cannot hold an attitude.

@@ -77,7 +77,12 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
             let count = geometry.lines().filter(|l| l.starts_with('v')).count() as u64;
             let is_none = |i: i64| i == 0 || i.unsigned_abs() > count;
             let line = line_with(geometry, "f", |i| i.parse().is_ok_and(is_none));
-            (line, format!("a face refers to a vertex that does not exist (the file has {count})"))
+            (
+                line,
+                format!(
+                    "a face refers to a vertex that does not exist (number of vertices in the file: {count})"
+                ),
+            )
         }
         other => (None, shown(&other.to_string())),
     }

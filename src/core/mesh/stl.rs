@@ -32,7 +32,9 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     Err((
         None,
         match promised {
-            Some(n) => format!("the header states {n} triangles, but the file can hold {has}"),
+            Some(n) => {
+                format!("the header states {n} triangles, but the file is large enough for only {has}")
+            }
             None => format!("a file of {} bytes is not an STL file", bytes.len()),
         },
     ))

@@ -10,7 +10,8 @@ pub const MAX_TRIANGLES: usize = 200_000;
 const MAX_COORDINATE: f64 = 1e4;
 
 /// Message for a vertex that is not finite or is too far away.
-pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
+pub const BEYOND: &str =
+    "a coordinate of a vertex is not finite, or is too large for a workcell; is the unit right?";
 
 /// Vertices of a mesh, m.
 pub type Vertices = Vec<Vector3<f64>>;

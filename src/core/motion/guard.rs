@@ -40,7 +40,7 @@ pub enum Hindrance {
     /// Contact with a solid. The path along an approach or retract line begins at the spot, so
     /// [`PathHit::at`] is 0 there.
     Hit(PathHit),
-    /// The arm cannot follow the line.
+    /// The arm cannot follow a straight line of the TCP.
     Stopped(Stopped),
 }
 
@@ -133,11 +133,11 @@ impl Guard {
         if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
-    /// Returns the value to which the [`singularity`] measure of a posture may fall if the scaled Jacobian
-    /// changes. Returns None if the measure certainly stays above the margin.
+    /// Returns a lower bound of the [`singularity`] measure of a posture after a change of the scaled
+    /// Jacobian. Returns None if this bound is at least as large as the margin.
     ///
-    /// `change` receives the characteristic length (m) by which all lengths in the Jacobian are divided. It
-    /// returns an upper bound of the spectral norm of the change of the Jacobian.
+    /// The function `change` receives the length (m) by which all lengths in the Jacobian are divided.
+    /// The function returns an upper bound of the spectral norm of the change.
     ///
     /// If a matrix changes, each singular value changes by at most the spectral norm of the change (H. Weyl
     /// 1912).

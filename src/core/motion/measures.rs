@@ -14,7 +14,8 @@ pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 /// solution of the normal equations keeps about half of its digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
-/// Measures of a posture that a search may maximize while it minimizes the error.
+/// Measures of how far a posture is from joint limits and singularities. A search can maximize these measures
+/// while it minimizes the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Least distance of a joint from its nearer limit, as a share of half the joint's range.

@@ -64,7 +64,7 @@ pub struct Blocked {
     pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
-/// Check of a path from one operation to the next. A path that passes the check is collision-free.
+/// Check of a path from one operation to the next. The check must refuse every path with a collision.
 ///
 /// The arguments are the indices of the two operations, the joint vectors of the path, and the held parts.
 /// The check returns the hindrance if the path cannot be used.
@@ -82,8 +82,8 @@ impl Guard {
     /// Returns the transfers between consecutive operations. In a cycle, the transfer from the last
     /// operation to the first is added.
     ///
-    /// The list is empty if the cell has no transfer rules. `known` returns the ends of the lines at a posture
-    /// if they were computed before.
+    /// The list is empty if the cell has no transfer rules. `known` returns the ends of the lines at a
+    /// posture if they were computed before.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
@@ -116,8 +116,8 @@ impl Guard {
 
     /// Returns the first collision-free transfer between two operations.
     ///
-    /// The collision check includes the held parts of both operations. Paths that `check` refuses are not
-    /// used. Without `check`, a path must only be collision-free.
+    /// The collision check includes the held parts of both operations. If `check` is given, the transfer uses
+    /// a path that `check` accepts. Otherwise, the transfer uses a path without collisions.
     ///
     /// # Errors
     /// Returns the hindrances on all routes if no route can be used.

@@ -45,7 +45,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.4,
         twist_deg: 0.04,
-        source: "our estimate: smaller tolerances than in the preset medium, because the arm is shorter",
+        source: "our estimate: smaller tolerances than in the preset `medium`, because the arm is shorter",
     },
     ErrorPreset {
         name: "medium",
@@ -63,7 +63,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.2,
         length_mm: 1.0,
         twist_deg: 0.04,
-        source: "our estimate for a mean error of about 1.2 mm, which was measured on a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644). The estimate was not compared with measurements of a built-in arm",
+        source: "our estimate, based on a mean error of about 1.2 mm that was measured on a KUKA KR210 (International Journal of Advanced Robotic Systems, 2020, doi 10.1177/1729881420921644). The estimate was not compared with measurements of an arm in the robot library of sweetspot",
     },
     ErrorPreset {
         name: "palletizer",

@@ -36,7 +36,7 @@ pub fn joint_scatter(
 }
 
 /// Returns the repeatability RP (m) of ISO 9283, as the mean over the five poses. The errors of the joint
-/// coordinates are normal, with the standard deviations `deviations` (rad or m).
+/// coordinates are normally distributed, with the standard deviations `deviations` (rad or m).
 ///
 /// `RP = l + 3 S`, where l and S are the mean and the standard deviation of the distance from the
 /// barycentre. The distances follow from the Jacobian.

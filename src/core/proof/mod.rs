@@ -7,11 +7,11 @@
 //!
 //! The search divides the ranges of the joint coordinates into boxes. In many cases, these boxes need no
 //! coordinate of the first or the last joint. The errors after the first joint act in directions that rotate
-//! with this joint. If the axis of this joint is vertical, its angle therefore matters only for senses that
-//! distinguish horizontal directions. Errors before the first joint may act in horizontal directions. The
-//! bound replaces such errors by isotropic errors, or omits them. The last joint also needs no coordinate if
-//! its axis is the tool axis and passes through the measured point. The bound then uses the least
-//! contribution of the errors after this joint, over all rotations of the tool.
+//! with this joint. If the axis of the first joint is vertical, the angle of this joint matters only for
+//! senses that distinguish horizontal directions. Errors before the first joint may act in horizontal
+//! directions. The bound replaces such errors by isotropic errors, or omits them. The last joint also needs
+//! no coordinate if its axis is the tool axis and passes through the measured point. The bound then uses the
+//! least contribution of the errors after this joint, over all rotations of the tool.
 //!
 //! In the following cases, among others, the first or the last joint needs a coordinate:
 //!
@@ -126,7 +126,7 @@ pub enum WhyNot {
     Cost,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
-    /// The errors vary about means that are not 0, and the model of their worst case is not linear.
+    /// The reading is worst-case, the model is not linear, and the errors have means other than 0.
     Mean,
     /// Monte Carlo samples show that the first-order value of the operation is wrong. The bound applies only
     /// to this first-order value.
@@ -154,7 +154,9 @@ impl WhyNot {
             Self::Boxes => {
                 "branch and bound found no bound above 0 within the allowed number of boxes (ranges of the joints)"
             }
-            Self::Mean => "its nonlinear worst case about measured means has no known bound",
+            Self::Mean => {
+                "no bound is known for its nonlinear worst case, because its errors vary about measured means"
+            }
             Self::Refuted => {
                 "Monte Carlo samples show that its first-order value is wrong, and the bound applies only to that value"
             }
@@ -267,7 +269,10 @@ impl Proof {
         }
         match self.covers {
             Covers::Everything => relaxed,
-            Covers::Part => format!("{relaxed}; these operations are counted as 0: {}", missing.join("; ")),
+            Covers::Part => format!(
+                "{relaxed}; the bound counts the values of these operations as 0: {}",
+                missing.join("; ")
+            ),
             Covers::Nothing => format!("no bound: {}", missing.join("; ")),
             Covers::Infeasible => format!("no layout is feasible: {}", missing.join("; ")),
         }

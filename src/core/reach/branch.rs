@@ -61,7 +61,7 @@ pub enum Cost {
     Low,
     /// Solver that takes about a microsecond per attitude.
     Middle,
-    /// Slower solver that is not numeric.
+    /// Solver that is slower than [`Self::Middle`], but not numeric.
     ///
     /// The closed form of a redundant arm takes about a microsecond per attitude and sampled joint value. The
     /// refined closed form of a redundant arm takes about ten times as long.

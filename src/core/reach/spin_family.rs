@@ -44,8 +44,8 @@ impl Inverse {
     /// Calls `found` with the first member of each spin family ([`Self::has_spin_families`]). A family is
     /// skipped if a joint other than the last exceeds its limit in the first member.
     ///
-    /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
-    /// argument of `found` is the branch index of the first member.
+    /// The limit of the last joint is not checked here; [`Self::members`] checks it. The first argument of
+    /// `found` is the branch index of the first member.
     ///
     /// The numeric solver has no families.
     pub fn visit_families(

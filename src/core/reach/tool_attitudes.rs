@@ -11,8 +11,8 @@ pub struct PlanarAttitude {
     pub sin_phi: f64,
     /// Horizontal component, in the plane of the arm, of the vector from the wrist to the TCP, m.
     pub u: f64,
-    /// Vertical component of this vector, m. It is positive upwards if alpha_1 is +90 degrees, and positive
-    /// downwards if alpha_1 is -90 degrees.
+    /// Vertical component of the vector from the wrist to the TCP, m. The component is positive upwards if
+    /// alpha_1 is +90 degrees, and positive downwards if alpha_1 is -90 degrees.
     pub v: f64,
     /// Cosine of the tool's elevation; negative if the tool points opposite to the azimuth theta_1.
     pub(in crate::reach) cos_elevation: f64,

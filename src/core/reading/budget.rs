@@ -20,8 +20,8 @@ pub struct Share {
     /// In the signed reading, the parameter has the value `signed`. In the other readings, the parameter
     /// deviates from its mean by `plus_minus`.
     pub term: Vector3<f64>,
-    /// Size of the linear error in the operation's sense that this source alone causes at its tolerance, m or
-    /// rad.
+    /// Size of the linear error that this source alone causes at its tolerance, m or rad. The size is
+    /// measured in the operation's sense.
     pub alone: f64,
     /// Share of this source in the linear worst case. The shares of all sources add up to 1.
     ///

@@ -36,9 +36,10 @@ impl Effects {
         self.mean = if mean { second_order_mean(sources, expansion) } else { Displacement::NONE };
     }
 
-    /// Subtracts the effect of the equipment's frame errors at the point `p` (base frame, m).
+    /// Subtracts the motion of the equipment at the point `p` from the effects on the TCP. Frame errors of
+    /// the equipment cause this small motion.
     ///
-    /// `work` is the pose of the equipment in the base frame.
+    /// `p` is in the base frame, m; `work` is the pose of the equipment in the base frame.
     pub fn less_equipment(
         &mut self,
         sources: &ErrorSources,
@@ -60,7 +61,8 @@ impl Effects {
         }
     }
 
-    /// Transforms the effects and the mean error of `other` by `change`, and subtracts the results.
+    /// Subtracts the effects and the mean error of `other` from `self`. Before that, the function `change`
+    /// transforms each of them.
     pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
         for k in 0..self.count {
             self.columns[k] = self.columns[k] - change(&other.columns[k]);

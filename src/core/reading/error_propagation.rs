@@ -23,7 +23,7 @@ impl ErrorPropagation<'_> {
     /// relative to the equipment on which the robot works.
     ///
     /// If the operation places a picked part, the function subtracts the effects at the pick. Before that, it
-    /// rotates these effects as the part rotates from the pick to this posture.
+    /// rotates the effects at the pick by the rotation of the part from the pick to this posture.
     pub fn effects(
         &self,
         context: &WorkContext,

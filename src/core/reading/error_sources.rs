@@ -60,8 +60,8 @@ pub struct ErrorSources {
 }
 
 impl ErrorSources {
-    /// Returns the sources of an operation on `equipment`; `other` is the equipment from which the part was
-    /// picked.
+    /// Returns the sources of an operation on `equipment`. If the operation places a picked part, `other` is
+    /// the equipment from which the part was picked.
     pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
         Self::beside(cell, [Some(equipment), other.filter(|o| *o != equipment)])
     }
@@ -160,9 +160,12 @@ impl ErrorSources {
         self.list.iter().map(|source| [source.at(1.0), source.at(-1.0)])
     }
 
-    /// Returns two entries: one for the work equipment, then one for the equipment from which the part was
-    /// picked. Each entry holds the index of the equipment and its frame error. An entry is None if there is
-    /// no such equipment, or if its frame error is 0. The argument `values` holds one value per source.
+    /// Returns two entries. The first belongs to the equipment on which the robot works. The second belongs
+    /// to the equipment from which the robot picked the part that it places. Each entry holds the index of
+    /// the equipment and its frame error. An entry is None if there is no such equipment, or if its frame
+    /// error is 0. The second entry is also None if it would repeat the equipment of the first entry.
+    ///
+    /// The argument `values` holds one value per source.
     pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
         let error = |wanted: usize| {
             let mut all = [0.0; PER_FRAME];

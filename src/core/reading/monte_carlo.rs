@@ -283,9 +283,9 @@ impl SampledPosture<'_> {
     }
 }
 
-/// Returns the share of `count` among `samples` independent samples, with Wilson's 95 % score interval. The
-/// source is E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Amer.
-/// Statist. Assoc. 22, 1927.
+/// Returns the share `count / samples` with Wilson's 95 % score interval for independent samples. The source
+/// of the interval is E. B. Wilson, "Probable inference, the law of succession, and statistical inference",
+/// J. Amer. Statist. Assoc. 22, 1927.
 ///
 /// An estimate from quasi-random points scatters less than an estimate from independent samples. The interval
 /// is therefore conservative for quasi-random points.

@@ -76,8 +76,8 @@ impl SenseRows {
         &self.arm
     }
 
-    /// Returns two Frobenius norms: one of the rows that measure position, then one of the rows that measure
-    /// rotation.
+    /// Returns two Frobenius norms. The first norm is over the rows that measure position. The second norm is
+    /// over the rows that measure rotation.
     pub fn weights(&self) -> [f64; 2] {
         [false, true].map(|turns| {
             let rows = self.rows[..self.count].iter().filter(|row| row.0 == turns);

@@ -29,8 +29,8 @@ pub struct PickReference {
     pub effects: Effects,
 }
 
-/// Work frame of an operation, and data of the pick of its part. The error of the operation at a posture
-/// depends on these data.
+/// Work frame of an operation, and data of the pick if the operation places a picked part. The error at a
+/// posture depends on the frame and on these data.
 #[derive(Debug, Clone)]
 pub struct WorkContext {
     pub site: WorkFrame,
@@ -42,8 +42,8 @@ impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
     /// The taught frame removes all or a part of the error at a touched point. No error remains at the
-    /// origin. An error along the x axis remains at the second point, and an error in the xy plane at the
-    /// third. These errors do not represent the errors on the surface outside the touched points.
+    /// origin. An error along the x axis remains at the second point. An error in the xy plane remains at the
+    /// third point. These errors do not represent the errors on the surface outside the touched points.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

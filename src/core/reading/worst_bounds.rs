@@ -60,8 +60,9 @@ impl ErrorEvaluator {
         (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture. The bound is the larger of
-    /// the errors at the worst corner of the linear model and at the opposite corner.
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture. The function evaluates this
+    /// model at the worst corner of the linear model and at the opposite corner. The bound is the larger of
+    /// the two errors.
     pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
@@ -81,8 +82,8 @@ impl ErrorEvaluator {
     }
 
     /// Returns a lower bound of the worst case by a nonlinear model at a posture. The returned `bool` is true
-    /// if this bound is the worst case itself. The bound is the result of a local search that leaves out most
-    /// starting corners.
+    /// if this bound is the worst case itself. A local search over the corners of the tolerance box finds the
+    /// bound. This search starts only at the worst corner of the linear model and at the opposite corner.
     pub fn searched_worst(
         &self,
         context: &WorkContext,

@@ -2,7 +2,7 @@
 //!
 //! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
-//! The maximum is the largest size of the summed effects if each source is at one end of its tolerance. If a
+//! The maximum is the largest norm of the summed effects if each source is at one end of its tolerance. If a
 //! vertex is farthest, the direction from the origin to this vertex lies in the normal cone of the vertex.
 //! The planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
 //! suffices to visit every cell:
@@ -16,8 +16,8 @@
 //!
 //! If there are only a few generators, all corners are tried (`sign_table`). Every candidate is a true
 //! corner, so ties and rounding never produce a false maximum. The returned value is computed from the
-//! returned signs. Squares must neither overflow nor underflow: the sizes of generators must be between
-//! 1e-150 and 1e150.
+//! returned signs. Squares must neither overflow nor underflow: the norms of the generators must be
+//! between 1e-150 and 1e150.
 
 mod branch_and_bound;
 mod circle_walk;
@@ -67,7 +67,8 @@ pub struct Farthest {
     pub upper: f64,
 }
 
-/// Maximizes `|sum s_k g_k|` over the signs `s` in 1-D, where the sizes add up, and writes the signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 1-D, and writes the signs. The maximum is the sum of all
+/// `|g_k|`.
 pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     let first = generators.iter().find(|g| **g != 0.0).map_or(1.0, |g| g.signum());
     let mut value = 0.0;

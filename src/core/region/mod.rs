@@ -71,7 +71,7 @@ impl RoomEnd {
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Range => "the range of the search".into(),
-            Self::Window => "only the end of the range that was examined".into(),
+            Self::Window => "only the end of the examined range".into(),
             Self::Held(ending) => ending.in_words(cell),
         }
     }
@@ -104,7 +104,8 @@ pub struct Region {
     /// Reason why [`Self::room`] is not larger. If neither x nor y may vary, this is the reason why
     /// [`Self::turn`] is not larger. If only z may vary, the value is [`RoomEnd::Range`].
     pub ended: RoomEnd,
-    /// Width of the rim, m: a zone along the outline in which details of the region may be missed.
+    /// Width of the rim, m. The rim is a zone along the outline in which the computation can miss details of
+    /// the region.
     pub rim: f64,
 }
 

@@ -3,16 +3,16 @@
 //! The free coordinates of all placements and attitudes form a point of the unit cube ([`SearchSpace`]). The
 //! cost of a point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible
 //! layouts. A global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish
-//! of the best layout uses the remaining evaluations. The record keeps the best feasible layout of all
+//! of the best layout uses the remaining evaluations. The search keeps the best feasible layout of all
 //! evaluated points, even if the solver reports another layout. Equal cells, seeds and budgets give the same
 //! bytes for any number of threads.
 //!
 //! A Pareto search minimizes a scalarization: one number computed from all its goals. Every start or restart
 //! of the global solver minimizes a different scalarization. A Pareto search offers every feasible layout to
 //! a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist: the best
-//! layouts that differ clearly from each other. Front and shortlist are part of the record, and
-//! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
-//! front or shortlist. Polish and local search together use a quarter of the budget.
+//! layouts that differ clearly from each other. Every checkpoint contains the front or the shortlist. At the
+//! end a local search explores the neighbours of the layouts in the front or shortlist. Polish and local
+//! search together use a quarter of the budget.
 //!
 //! A search without Pareto goals ends with a further phase. This phase selects a layout with much room among
 //! the layouts with nearly the least objective. The [room](crate::region::estimated_room) is the largest
@@ -89,9 +89,10 @@ pub struct SearchRecord {
     /// Lower bound of the objective (m or rad); None if no bound was given.
     pub bound: Option<f64>,
     pub ended: SearchEnd,
-    /// Members of the Pareto front, sorted by the first goal, or the shortlist with the best layout first.
+    /// Layouts of the Pareto front or of the shortlist. A front is sorted by the first goal. A shortlist
+    /// begins with the best layout.
     ///
-    /// The list is empty if neither was requested.
+    /// The list is empty if neither a front nor a shortlist was requested.
     pub alternatives: Vec<Alternative>,
 }
 

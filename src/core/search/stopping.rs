@@ -20,7 +20,8 @@ const POLISH_PART: f64 = 0.3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {
-    /// The budget was used up, or the final refinement of the layouts found converged.
+    /// The search used up its budget, or its final refinement converged. The final refinement improves the
+    /// layouts that the search found.
     Done,
     /// The objective of the best layout is within the requested gap from the proven lower bound.
     Gap,
@@ -59,7 +60,7 @@ impl SearchEnd {
         match self {
             SearchEnd::Done => "the budget is used up, or the final refinement has converged",
             SearchEnd::Gap => {
-                "the objective of the best layout is within the requested gap from the lower bound"
+                "the objective of the best layout exceeds the lower bound by at most the requested gap"
             }
             SearchEnd::Stagnation => "no better layout was found for the requested number of evaluations",
             SearchEnd::Interrupted => "interrupted",
@@ -82,8 +83,8 @@ pub struct Stopping {
     /// Number of consecutive evaluations without improvement after which the global solver stops. A
     /// Nelder-Mead polish of the best layout follows.
     ///
-    /// An improvement counts if it lowers the cost by more than a share of 1e-6. The share refers to the cost
-    /// at the last improvement that counted.
+    /// An improvement counts if it lowers the cost by more than 1e-6 of a reference cost. The reference cost
+    /// is the cost at the last improvement that counted.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///

@@ -9,17 +9,17 @@ pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "number
 
 key_table! {
     margins, "margins", "Least distance of postures from joint limits and singular postures.", {
-        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
-        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
-        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Lower limit of the smallest singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build, otherwise 0.").example("0.02");
+        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance of the coordinate of a revolute joint from its limits. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
+        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance of the coordinate of a prismatic joint from its limits. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
+        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least allowed singularity measure: the smallest singular value of the Jacobian, in which lengths are divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build, otherwise 0.").example("0.02");
     }
 }
 
 key_table! {
-    transfer, "transfer rules", "Check for collisions during the motions between operations, and between the listed points of an operation.", {
-        CHECK = boolean("check", true, "Whether the motions between operations, and between the listed points of an operation, are checked for collision.");
+    transfer, "transfer rules", "Collision check of two kinds of motions: from one operation to the next, and from one listed point of an operation to the next.", {
+        CHECK = boolean("check", true, "Whether these two kinds of motions are checked for collisions: from one operation to the next, and from one listed point of an operation to the next.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
-        VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, UNBOUNDED), "postures")]), "Posture, or list of postures, through which a motion may go, in degrees and mm; if left out, the home posture.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
+        VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, UNBOUNDED), "postures")]), "Via posture, or list of via postures, in degrees and mm; if left out, the home posture. If the direct motion and the lifted motion fail, motions through these postures are tried, one posture at a time.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
         CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked.");
     }
 }

@@ -21,10 +21,10 @@ key_table! {
         FROM = from("\"equipment/worktable.toml\"");
         SCHEMA = schema("sweetspot/equipment/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the equipment for readers of the file; messages use the name of the table in the cell file.");
+        NAME = text("name", "Name that only readers of this file see. Messages use the name of the table in the cell file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids. If left out, it is the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space: rectangle in plan that no other object is allowed to enter. This rule applies at the heights of the solids, or at every height if there are no solids. If left out, the floor space is the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, UNBOUNDED), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::Needs("schema", "units")];
@@ -32,7 +32,7 @@ key_table! {
 
 key_table! {
     equipment, "a piece of equipment", "Equipment: work surface, solids, floor space and placement.", {
-        PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
+        PLACEMENT = table("placement", &placement::TABLE, "Placement in the world frame; with `stands_on`, placement in the frame of the equipment that carries this piece.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
         STANDS_ON = text("stands_on", "Equipment that carries this piece. The piece moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
         TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement: the layout must work everywhere within this tolerance. If left out, it is 2 mm and 0.2 degrees for equipment that a search places.").example("{ x_mm = 2, y_mm = 2 }");
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
@@ -52,9 +52,9 @@ key_table! {
 
 key_table! {
     plan, "a floor plan", "Closed outlines of a drawing as obstacles of equal height.", {
-        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, dxf), "DXF drawing (ASCII), with its path relative to the folder of this file.").required().example("\"hall.dxf\"").remedy("add file = \"NAME.dxf\"");
+        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, dxf), "DXF drawing (ASCII). The path is relative to the folder of this file.").required().example("\"hall.dxf\"").remedy("add file = \"NAME.dxf\"");
         LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
-        HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles above the placement.").required().example("3000");
+        HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles. Each obstacle begins at the height z_mm of the placement of the drawing.").required().example("3000");
         UNITS = word::<DrawingUnit>("units", "Length of one unit of the drawing; needed if the header of the drawing does not state it.").example("\"mm\"");
         TOLERANCE = number("tolerance_mm", NumberRange::Positive, "Largest distance between an arc and the straight lines that replace it, on the outer side of the arc.").default(Literal::Number(1.0));
     }
@@ -79,7 +79,7 @@ key_table! {
 }
 
 key_table! {
-    keep_out, "a keep-out box", "Box, fixed in the world, that equipment, robot, tool and held parts may not enter. Obstacles may.", {
+    keep_out, "a keep-out box", "Box, fixed in the world, that equipment, robot, tool and held parts must not enter. Obstacles are allowed inside the box.", {
         MIN = vector("min_mm", "Corner with the least x, y and z, in the world frame.").required();
         MAX = vector("max_mm", "Corner with the greatest x, y and z, in the world frame.").required();
     }

@@ -108,7 +108,7 @@ key_table! {
 }
 
 key_table! {
-    elastic_term, "an elastic term", "Deflection of a joint under the weight that acts at the end of a link and beyond: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
+    elastic_term, "an elastic term", "Deflection of a joint under the weight of everything at and beyond the end of a link. The deflection is deg_per_m times the horizontal lever of this link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
         LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number of the D-H row of the link whose horizontal lever counts: the row of the joint or a later row. The link extends from the frame before this row to the frame after it.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
@@ -151,9 +151,9 @@ key_table! {
 pub const PARAMETERS: &str = "write a name such as dl2 (dq, dr, dl, dalpha or dbeta of a joint), tool rx (x, y, z, rx, ry or rz of base, tool or joint2), elastic 2 3 (joint and link) or compliance 2 (joint)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a set of tolerances, these parameters must have plus-or-minus values of 0.", {
+    covariance, "`covariance`", "Covariance from a calibration. The named parameters are normally distributed and correlated. In a set of tolerances, these parameters must have plus-or-minus values of 0.", {
         PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "names"), unique), "Parameters of the matrix rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the matrix rows");
-        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, UNBOUNDED), "numbers"), (1, UNBOUNDED), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, UNBOUNDED), "numbers"), (1, UNBOUNDED), "rows"), "Covariances, one row for each of the parameters. Their units are products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
@@ -166,7 +166,7 @@ key_table! {
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
         DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
         DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
-        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint. Each error is a rotation about y after Tx(l) Rx(alpha) of the row. The error of the next joint frame follows this rotation.");
+        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint. Each error is a rotation about y after Tx(l) Rx(alpha) of the row. The error of the next joint frame comes after this rotation.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames. Each error moves its joint and everything after the joint. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");

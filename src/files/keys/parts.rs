@@ -115,10 +115,10 @@ pub const RPY: Key = vector_or_zero(
 
 key_table! {
     placement, "`placement`", "Placement: x, y, z and the rotation about z.", {
-        X = coordinate("x_mm", "Position along x: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let a search choose it");
-        Y = coordinate("y_mm", "Position along y: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let a search choose it");
-        Z = coordinate("z_mm", "Position along z: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let a search choose it");
-        YAW = coordinate("yaw_deg", "Rotation about z: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").default(Literal::Number(0.0));
+        X = coordinate("x_mm", "Position along x. A number fixes the position. A search chooses the position within a range { min, max, start }, or from a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        Y = coordinate("y_mm", "Position along y. A number fixes the position. A search chooses the position within a range { min, max, start }, or from a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        Z = coordinate("z_mm", "Position along z. A number fixes the position. A search chooses the position within a range { min, max, start }, or from a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        YAW = coordinate("yaw_deg", "Rotation about z. A number fixes the rotation. A search chooses the rotation within a range { min, max, start }, or from a list of allowed values.").default(Literal::Number(0.0));
     }
 }
 

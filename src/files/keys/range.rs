@@ -13,7 +13,7 @@ pub enum NumberRange {
     Finite,
     Positive,
     NotNegative,
-    /// Plus-or-minus value, half the width of a range: not negative.
+    /// Plus-or-minus value: half the width of a range. The value is at least 0.
     PlusMinus,
     /// Number from 0 to this value.
     UpTo(f64),

@@ -95,8 +95,8 @@ const PAIRS: ValueKind =
 const MAX_MASS: f64 = 10_000.0;
 
 key_table! {
-    mass, "a mass", "Mass of a link, whose weight deflects joints with a compliance.", {
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link with which the mass moves: k is the link whose frame comes after row k.").required().example("2").remedy("add link = 2, the number of the link");
+    mass, "a mass", "Mass of a link. The weight of the mass deflects joints that have a compliance.", {
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number k of the link that carries the mass. D-H row k ends at the frame of link k.").required().example("2").remedy("add link = 2, the number of the link");
         MASS = number("mass_kg", NumberRange::UpTo(MAX_MASS), "Mass.").required().example("12.5").remedy("add mass_kg = 12.5");
         CENTRE = vector_or_zero("centre_mm", "Centre of mass in the frame of the link.");
     }
@@ -105,7 +105,7 @@ key_table! {
 const MASS_OF_TOOL: Key = number_or_zero(
     "mass_kg",
     NumberRange::UpTo(MAX_MASS),
-    "Mass, whose weight deflects joints with a compliance.",
+    "Mass of the tool or part. The weight of the mass deflects joints that have a compliance.",
 );
 
 key_table! {
@@ -123,7 +123,7 @@ key_table! {
         SOURCE = super::SOURCE;
         POSITION = vector("position_mm", "Position of the tool centre point (TCP).").required().example("[0, 0, 160]");
         RPY = super::RPY;
-        AXIS = direction("axis", "Working direction in the frame of the TCP, of any length but 0.").required().remedy("add axis = [1, 0, 0], the working direction of the tool");
+        AXIS = direction("axis", "Vector along the working direction of the tool, in the frame of the TCP. Any length except 0 is allowed.").required().remedy("add axis = [1, 0, 0], the working direction of the tool");
         SOLID = Key::new("solid", SOLIDS, "Solids of the tool, in the frame of the mechanical interface.");
         MASS = super::MASS_OF_TOOL;
         CENTRE = vector_or_zero("centre_mm", "Centre of mass of the tool, in the frame of the mechanical interface.");
@@ -135,7 +135,7 @@ key_table! {
         SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required_unless("mass_kg").remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
         MASS = super::MASS_OF_TOOL;
         CENTRE = vector_or_zero("centre_mm", "Centre of mass of the part, in the frame of the TCP.");
-        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface. If true, the part is not checked for collision with the equipment of that surface.");
+        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the work surface of the operation. If true, the part is not checked for collision with the equipment of that surface.");
     }
 }
 
@@ -148,19 +148,19 @@ key_table! {
         SOURCE = super::SOURCE.required_unless("urdf").example("").remedy("add source = \"...\"");
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
-        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i of the row is 1, and all later numbers are 0.").example("[[1, 0], [1, 1]]");
-        HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
+        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i lists the factor by which each actuator coordinate enters D-H coordinate i. Factor i of row i is 1, and all later factors are 0.").example("[[1, 0], [1, 1]]");
+        HOME = Key::new("home", POSTURE, "Home posture: one number for each joint, degrees or mm. If left out, each coordinate is 0, or the middle of the joint limits if 0 is outside the limits.").example("[0, -30, 60, 0]");
         RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Maximum speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
         FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed for every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
-        URDF = text("urdf", "URDF file (without xacro) instead of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
+        URDF = text("urdf", "URDF file (without xacro) that replaces the D-H rows. The path is relative to the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root link.").example("\"base\"");
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
-        PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
+        PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names. Each path is relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Rectangle that the base occupies in plan, from the floor up to the top of the solids of link 0. If left out, the rectangle covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, UNBOUNDED), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
-        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself, or a table with the pairs of solids that may touch.").default(Literal::Boolean(true));
+        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Check of the robot for collision with itself: true, false or a table. A table turns the check on and lists the pairs of solids that are allowed to touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [
@@ -174,7 +174,7 @@ key_table! {
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
         BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within this tolerance. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
-        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, the pedestal is as large as the footprint of the robot. Write false for a base on a wall or a gantry.").default(Literal::Boolean(true));
+        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Pedestal of a robot base above the floor: true, false or a table. The pedestal is drawn and checked for collision. If true, the pedestal is as large as the footprint of the robot. A table gives the cross-section of the pedestal in the base frame. Write false for a base on a wall or a gantry.").default(Literal::Boolean(true));
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -26,7 +26,7 @@ key_table! {
         PLANE = direction("plane", "Error in the plane perpendicular to this vector.");
         AXIS = direction("axis", "Rotation about this vector.");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the term.").default(Literal::Number(1.0));
-        LEVER = number("mm_per_deg", NumberRange::Positive, "Conversion of a rotation to a length, so that both can be added: one degree counts as this length in mm.").example("2");
+        LEVER = number("mm_per_deg", NumberRange::Positive, "Length in mm that counts as much as one degree of rotation. A sense can thus combine rotations with lengths.").example("2");
     }
     rules [
         Rule::OneAtMost(&WAYS),
@@ -44,7 +44,7 @@ key_table! {
 key_table! {
     sense, "a sense", "Sense: the component of the error that counts.", {
         FRAME = word::<Frame>("frame", "Frame of the directions.").default(Literal::Word(Frame::World.name()));
-        POINT = vector_or_zero("point_mm", "Point whose error is measured, relative to the TCP, in the tool frame.");
+        POINT = vector_or_zero("point_mm", "Point whose error is measured. The coordinates are relative to the TCP, in the axes of the tool frame.");
         TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, UNBOUNDED), "terms"), "Terms that together make one sense.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");
     }
     extends super::any_term::TABLE;

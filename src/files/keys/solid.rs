@@ -86,7 +86,7 @@ key_table! {
         CENTRE = vector("centre_mm", "Position of the origin of the mesh.").default(Literal::Zeros(3));
         RPY = super::RPY;
         UNITS = word::<MeshUnit>("units", "Length of one unit of the mesh file.").required();
-        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file, with its path relative to the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
+        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file. The path is relative to the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");
     }
 }
 
@@ -120,7 +120,7 @@ key_table! {
 
 key_table! {
     link_solid, "a solid", "Solid on a link: a name, a link and one shape.", {
-        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "Frame with which the solid moves: 0 is the base, and k is the frame after row k.").required().remedy("add link = 0 for the base, k for the frame after row k");
+        LINK = Key::new("link", ValueKind::Whole(0, MAX_JOINTS as u64), "Number k of the link that carries the solid. Link 0 is the base. D-H row k ends at the frame of link k.").required().remedy("add link = 0 for the base, or link = k for the frame at which D-H row k ends");
     }
     extends super::solid::TABLE;
 }

@@ -171,8 +171,8 @@ impl<'h> TableNames<'h> {
         let known: Vec<String> = self.quantities().collect();
         match self.columns.iter().find(|(name, _)| !known.contains(name)) {
             Some((unknown, _)) => Err((
-                format!("`{}` is not a quantity of this arm", shown(unknown)),
-                format!("the quantities are {}", known.join(", ")),
+                format!("`{}` is neither a joint of this arm nor x, y or z", shown(unknown)),
+                format!("the allowed names are {}", known.join(", ")),
             )),
             None => Ok(()),
         }

@@ -30,7 +30,7 @@ impl StatedUnit {
         })
     }
 
-    /// Returns the size of a unit of length, m; None for a unit of angles.
+    /// Returns the length of one unit, m; None for a unit of angles.
     pub fn length(self) -> Option<f64> {
         match self {
             Self::Degree | Self::Radian => None,

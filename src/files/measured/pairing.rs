@@ -79,7 +79,7 @@ pub fn pair(
     }
     if all.len() != positions.lines.len() {
         let message = format!(
-            "the table of joints has {} postures, but the table of positions has {} rows, and no column matches the rows",
+            "the table of joints has {} postures, but the table of positions has {} rows, and no common column identifies the postures",
             all.len(),
             positions.lines.len()
         );

@@ -35,7 +35,11 @@ pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
             if let Some((joint, node)) = moving.into_iter().find(narrow).zip(t.get(&key)) {
                 let half = in_file(kind, (joint.limits.1 - joint.limits.0) / 2.0);
                 let message = format!("`{}` leaves joint `{}` no travel", key.name, shown(&joint.name));
-                t.error(node.at, message, format!("write less than {}, half its travel", plain(half)));
+                t.error(
+                    node.at,
+                    message,
+                    format!("write less than {}, half the travel of the joint", plain(half)),
+                );
             }
         }
         Some(read)

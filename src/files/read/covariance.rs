@@ -121,7 +121,7 @@ fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Tab
 fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
         let last = of_joint(name, arm.axes).unwrap_or_default();
-        return format!("the robot has joints 1 to {}: {first} to {last}", arm.axes);
+        return format!("this parameter exists for joints 1 to {}: {first} to {last}", arm.axes);
     }
     match did_you_mean(name, names.iter().map(String::as_str).filter(|n| !n.is_empty())) {
         Some(near) => format!("did you mean \"{near}\"?"),

@@ -101,6 +101,10 @@ pub fn refuse_too_many(set: &ErrorSet, t: &mut Table) {
     let most = MAX_ERRORS - usize::from(mean.is_some());
     if count > most {
         let message = format!("the error set has {count} errors, but at most {most} are possible");
-        t.error(t.at, message, "leave out duplicate errors, such as errors of joint frames");
+        t.error(
+            t.at,
+            message,
+            "leave out errors that have the same effect as others, such as errors of joint frames",
+        );
     }
 }

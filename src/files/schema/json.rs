@@ -201,7 +201,7 @@ fn of_coordinate(low: f64, high: f64) -> [Value; 3] {
         *key = with(key.take(), number.clone());
     }
     let values = json!({
-        "description": "Allowed values; the layout before a search uses the first.",
+        "description": "Allowed values; the start layout uses the first value.",
         "type": "array", "items": number, "minItems": 1, "maxItems": MAX_VALUES, "uniqueItems": true,
     });
     [with(json!({ "description": "Fixed value." }), number), table, values]

@@ -28,9 +28,9 @@ pub struct UrdfOutline {
     pub links: Vec<String>,
     /// Moving joints that are not on the chain, such as the joints of a gripper.
     pub joints_off: Vec<String>,
-    /// Collision shapes of the links in `links`, one pair for each shape. The number states how many moving
-    /// joints are between base and link. The text is the mesh as the URDF names it; None for a shape without
-    /// a mesh.
+    /// Collision shapes of the links in `links`; each entry holds a number and a text. The number states how
+    /// many moving joints are between base and link. The text is the mesh as the URDF names it; None for a
+    /// shape without a mesh.
     pub shapes: Vec<(usize, Option<String>)>,
 }
 
@@ -89,8 +89,9 @@ pub fn parsed(file: usize, lib: &mut Library<'_>) -> Option<Urdf> {
             1 => "1 angle is a rounded right angle, and is read as an exact right angle".to_string(),
             _ => format!("{count} angles are rounded right angles, and are read as exact right angles"),
         };
-        let help =
-            format!("the largest change is {largest:.1e} rad: 1.5708, for example, stands for 90 degrees");
+        let help = format!(
+            "the largest change is {largest:.1e} rad; for example, 1.5708 is read as exactly 90 degrees"
+        );
         lib.fault(urdf.at, Severity::Warning, message, help);
     }
     Some(urdf)

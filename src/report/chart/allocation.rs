@@ -43,7 +43,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     canvas.y = bottom + 40.0;
     if d.parameters.len() > bars.len() {
         canvas.paragraph(&format!(
-            "{} tolerances that change less are not shown",
+            "the {} tolerances with the smallest changes are not shown",
             d.parameters.len() - bars.len()
         ));
     }

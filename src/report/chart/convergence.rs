@@ -135,8 +135,9 @@ fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
     let gain = course
         .start
         .filter(|start| *start > 0.0)
-        .map(|start| format!(", {:.1} % less than the start", percent_from_share(1.0 - best / start)));
-    let mut told = vec![format!("best {} after {count} layouts{}", said(best), gain.unwrap_or_default())];
+        .map(|start| format!(", {:.1} % less than the start layout", percent_from_share(1.0 - best / start)));
+    let mut told =
+        vec![format!("best objective {} after {count} layouts{}", said(best), gain.unwrap_or_default())];
     told.push(match course.bound {
         Some(bound) if bound > 0.0 => {
             let gap = percent_from_share(best / bound - 1.0);

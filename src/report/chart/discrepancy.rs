@@ -25,8 +25,8 @@ const CURVES: [Curve; 4] = [
     ("resultant", Ink::Text, |d| d.resultant),
 ];
 
-/// Draws one panel per operation. A panel shows the discrepancy in percent over the usable nodes, in the
-/// order of the grid.
+/// Draws one panel per operation. A panel plots the discrepancy at each usable node, in percent. The nodes
+/// follow each other in the order of the grid.
 pub fn discrepancy(a: &Assessment<'_>) -> String {
     let heading = format!(
         "{}, errors {}: linear against nonlinear model",

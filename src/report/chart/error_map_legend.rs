@@ -31,14 +31,14 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let what = match lens.is_signed() {
         true => "error in x and y".to_string(),
         false => {
-            format!("{} in x and y, drawn in both directions of the worst-case error", lens.reading_word())
+            format!("{} in x and y, drawn along and against the worst-case error", lens.reading_word())
         }
     };
     let canvas = &mut plan.canvas;
     canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));
     if scales.every > 1 {
         canvas.paragraph(&format!(
-            "one in every {} nodes is drawn along each axis; the spots are chosen from all nodes",
+            "along each axis, one in every {} nodes is drawn; the spots are chosen from all nodes",
             scales.every
         ));
     }

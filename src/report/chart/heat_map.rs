@@ -132,7 +132,7 @@ impl<'a> HeatMap<'a> {
         let mut said = vec![format!("{} of {} nodes are usable{spans}", usable.count(), self.values.len())];
         if self.field.every > 1 {
             let every = self.field.every;
-            said.push(format!("one in {every} nodes is drawn along each axis"));
+            said.push(format!("along each axis, one in every {every} nodes is drawn"));
         }
         if !self.scale.levels().is_empty() {
             let step = words::number(self.scale.step, self.scale.step);

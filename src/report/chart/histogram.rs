@@ -50,8 +50,10 @@ pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     }
     canvas.y = y.px.0 + 40.0;
     for HistogramMark { name, value, .. } in marks.iter().filter(|m| m.value > AXIS_LIMIT * high) {
-        canvas
-            .paragraph(&format!("far to the right of the picture: {name} {} {word}", words::figure(*value)));
+        canvas.paragraph(&format!(
+            "far beyond the right edge of the picture: {name} {} {word}",
+            words::figure(*value)
+        ));
     }
     canvas.legend(&legend(d));
     canvas.finish()
@@ -138,7 +140,7 @@ fn bars(
 
 fn told(d: &ErrorDistribution) -> Vec<String> {
     let mut told = vec![format!(
-        "{} samples through the nonlinear model; vertical: share of the samples in each bin / %",
+        "{} samples, evaluated with the nonlinear model; vertical: share of the samples in each bin / %",
         d.samples.samples
     )];
     if let Some(success) = d.samples.success {

@@ -41,7 +41,7 @@ pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[F
     let every = count.div_ceil(MAX_DOTS).max(1);
     let heading = format!("{}: residuals of the calibration", shown(&robot.name));
     let mut under = vec![
-        "distance of measured from predicted positions; line: medians in equal ranges of the joint coordinate"
+        "distance of measured from predicted positions; line: medians over equally wide ranges of the coordinate"
             .to_string(),
     ];
     if every > 1 {

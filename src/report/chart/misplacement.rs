@@ -88,7 +88,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
             format!("; NOT feasible at {lost} of {} corners of the placement tolerances", r.corners)
         }
         (Some(worst), _) => {
-            format!("; at the worst corner of the placement tolerances {}", amount(worst.value))
+            format!("; {} at the worst corner of the placement tolerances", amount(worst.value))
         }
         (None, _) => "; no placement tolerance is given".to_string(),
     };

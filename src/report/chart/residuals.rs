@@ -17,8 +17,9 @@ const BAR: f64 = 92.0;
 /// Largest height of a panel, px.
 const TALLEST: f64 = 520.0;
 
-/// Draws the size of the residual of every position of one file, in plan and from the side. Positions are in
-/// the base frame of the robot.
+/// Draws the measured positions of one file, in plan and from the side. The colour of a position shows its
+/// residual: the length of the difference between measured and predicted error. Positions are in the base
+/// frame of the robot.
 pub fn residuals(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_DOTS);
     let mut drawn: Vec<_> = file.positions.iter().step_by(every).collect();
@@ -26,7 +27,7 @@ pub fn residuals(file: &ComparedFile) -> String {
     drawn.sort_by(|a, b| a.residual_mm.total_cmp(&b.residual_mm));
     let heading = format!("{}: residuals of the prediction", shown(&file.file));
     let mut told = vec![
-        "colour: size of measured minus predicted error; positions in the base frame of the robot"
+        "colour: size of the difference between measured and predicted error; positions in the base frame of the robot"
             .to_string(),
     ];
     if every > 1 {

@@ -36,7 +36,7 @@ fn draw_glyph(glyph: &NodeGlyph, at: (f64, f64), r: f64) -> String {
 pub fn ring_name(over: NodeAggregation) -> &'static str {
     match over {
         NodeAggregation::Best => "chosen spot",
-        NodeAggregation::Max => "worst node: value of the operation",
+        NodeAggregation::Max => "worst node, which gives the value of the operation",
         NodeAggregation::Mean | NodeAggregation::P95 => "worst node",
     }
 }

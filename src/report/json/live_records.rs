@@ -182,7 +182,7 @@ pub struct LiveReach {
     pub outlines: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
-/// Regions in which the equipment may be moved from the current layout.
+/// Regions of the pieces in the current layout, and the allowed rotation of the equipment as one body.
 #[derive(Serialize)]
 pub struct LiveRegions {
     pub regions: Vec<RegionEntry>,
@@ -221,7 +221,7 @@ pub struct LiveSearch {
     pub acceptable: bool,
 }
 
-/// State that may change without a request from the page.
+/// State that can change without a request from the page.
 #[derive(Serialize)]
 pub struct LivePulse {
     pub revision: u64,

@@ -44,10 +44,10 @@ fn registration(cell: &Cell) -> &'static str {
     match cell.registration {
         Registration::None => "no registration with the robot: the errors of the robot count in full",
         Registration::BestFit => {
-            "the base frame of the robot is the best fit over all postures between the joint limits: the errors that a frame can cancel are removed"
+            "the base frame is fitted to the robot over all postures within the joint limits: the errors that this fit cancels are removed"
         }
         Registration::Taught => {
-            "the frame of every surface is taught with the robot at three points: the errors that this frame cancels are removed"
+            "the frame of every surface is taught with the robot at three points: the errors that the taught frame cancels are removed"
         }
     }
 }
@@ -100,7 +100,7 @@ fn trust(subject: &Subject<'_>) -> String {
     let guard = rounded(percent_from_share(a.cell.guard), 3);
     match distrusted.is_empty() {
         true => format!(
-            "the error is within {guard} % of the nonlinear model at every node, so the model can be trusted"
+            "the error differs by at most {guard} % from the error of the nonlinear model at every node, so the model can be trusted"
         ),
         false => distrusted.join("; "),
     }

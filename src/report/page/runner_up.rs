@@ -25,7 +25,7 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
         Some(goals) => format!(
-            "least objective among the other layouts of the Pareto front in {}",
+            "least objective among the other layouts of the Pareto front for the goals {}",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => {

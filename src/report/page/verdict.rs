@@ -74,7 +74,7 @@ fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
         (Some(found), false) => found
             .reasons
             .iter()
-            .map(|r| format!("closest layout that the search examined: {}", plain(r)))
+            .map(|r| format!("in the examined layout that is closest to feasible: {}", plain(r)))
             .collect(),
         (None, false) => subject.start.reasons(),
     }
@@ -326,7 +326,9 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
 /// Returns the entry on the gap between the objective of the best layout found and the proven lower bound.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
-        Covers::Part => format!("; these operations are counted as 0: {}", unproven(found)),
+        Covers::Part => {
+            format!("; the bound counts the values of these operations as 0: {}", unproven(found))
+        }
         _ => String::new(),
     };
     let (text, note) = match (found.gap_percent, found.bound) {

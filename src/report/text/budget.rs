@@ -30,8 +30,8 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
         return out;
     }
     let order = match a.worst {
-        Some(_) => format!("largest share of the {by} first"),
-        None => "largest effect first".into(),
+        Some(_) => format!("ordered by share of the {by}"),
+        None => "ordered by size of the effect".into(),
     };
     let _ = writeln!(
         out,

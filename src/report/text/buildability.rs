@@ -4,8 +4,9 @@ use crate::assess::Assessment;
 use crate::cell::Cell;
 use crate::files::shown;
 
-/// Returns a statement on whether a layout works at every misplacement, with the worst errors. The text is
-/// empty if the cell demands no certificate.
+/// Returns a statement on whether a layout works at every misplacement. If the layout works, the statement
+/// includes the upper bound of the value of each operation. The text is empty if the cell demands no
+/// certificate.
 pub fn certificate(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();

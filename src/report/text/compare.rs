@@ -173,7 +173,11 @@ fn refined_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     table.labelled("", "refined x, y, z mm", cells(&position).into_iter());
     let unit = columns[0].cell.unit();
     let value = |r: &Refined| format!("{} (-{})", fixed(unit.from_si(r.value), 4), percent1(r.gain()));
-    table.labelled("", &format!("refined {} (change from the node)", unit.word()), cells(&value).into_iter());
+    table.labelled(
+        "",
+        &format!("refined {} (change from the best node)", unit.word()),
+        cells(&value).into_iter(),
+    );
 }
 
 fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) {

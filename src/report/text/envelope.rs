@@ -20,7 +20,7 @@ pub fn robots(all: &[(&str, Robot, &str)]) -> String {
         table.row([stem.to_string(), shown(&robot.name), family.to_string(), axes, reach, sets]);
     }
     let mut out = format!(
-        "{}reach: largest distance from the base axis with any tool orientation\n\nsources\n",
+        "{}reach: upper bound of the distance of the TCP from the base axis, for any tool orientation\n\nsources\n",
         table.render()
     );
     for (stem, robot, _) in all {

@@ -16,7 +16,7 @@ pub fn presets(presets: &[ErrorPreset]) -> String {
         table.row([p.name.to_string()].into_iter().chain(numbers));
     }
     let mut out = String::from(
-        "GUESSES for arms without measurements: half widths of normally distributed tolerances, 3 sigma\n\n",
+        "GUESSES for arms without measurements: half widths of the tolerances, 3 sigma of a normal distribution\n\n",
     );
     out.push_str(&table.render());
     out.push('\n');

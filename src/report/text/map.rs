@@ -152,7 +152,7 @@ pub fn extrapolation(cell: &Cell, map: &OperationMap) -> Option<String> {
     let found = Extrapolation::of(cell, map)?;
     let joints = found.joints.iter().map(|&joint| shown(&cell.robot.joints[joint].name));
     Some(format!(
-        "the errors of {} of {} usable nodes{} are extrapolated: there, joint coordinates are outside the ranges of the measured postures: {}",
+        "the errors of {} of {} usable nodes{} are extrapolated, because these joints are outside the ranges of the measured postures: {}",
         found.nodes,
         found.usable,
         if found.has_spot { ", the spot among them," } else { "" },

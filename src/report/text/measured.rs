@@ -55,7 +55,7 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
     let what = if has_spots { "spot" } else { "position" };
     let mut said = vec![
         format!(
-            "Rank correlation (Spearman) of predicted and measured size: {}{of_spots}",
+            "Rank correlation (Spearman) of the sizes of predicted and measured errors: {}{of_spots}",
             number(file.rank_correlation)
         ),
         match file.coverage_95 {

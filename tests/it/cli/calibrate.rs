@@ -88,7 +88,12 @@ fn wrong_tables_are_refused_with_their_place() {
     refused("columns.csv", ROWS, &[], &["no column is recognized as `x`", "--column x=NAME", "across"]);
     let named = ["--column", "x=along", "--column", "y=across", "--column", "z=up"];
     refused("few.csv", ROWS, &named, &["few.csv"]);
-    refused("unknown.csv", ROWS, &["--column", "q7=up"], &["`q7` is not a quantity of this arm"]);
+    refused(
+        "unknown.csv",
+        ROWS,
+        &["--column", "q7=up"],
+        &["`q7` is neither a joint of this arm nor x, y or z"],
+    );
     refused("missing.csv", ROWS, &["--column", "x=pq"], &["no column `pq`"]);
     let header = "q1,q2,q3,q4,q5,q6,x,y,z\n";
     let bad = format!("{header}0,0,0,0,0,0,1,2,3\n0,0,nan,0,0,0,1,2,3\n0,0,0,0,0,0,1,2,far\n");

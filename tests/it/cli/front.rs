@@ -43,7 +43,7 @@ fn a_pareto_front_is_printed_written_and_loaded_again() {
         assert!((objective - number(&layout["objective_value"])).abs() < 1e-6, "{file}: {objective}");
     }
     let plain = shop.done(&[&["search", CELL, "--out", "again"][..], &PARETO].concat());
-    assert!(plain.out.contains("layouts in error, clearance, footprint:\n"), "{}", plain.out);
+    assert!(plain.out.contains("layouts for the goals error, clearance, footprint:\n"), "{}", plain.out);
     assert!(plain.out.contains("best layout: clearance "), "{}", plain.out);
     assert_eq!(shop.read("found/front.csv"), shop.read("again/front.csv"));
     assert_eq!(shop.read("found/search.json"), shop.read("again/search.json"));

@@ -125,7 +125,7 @@ fn a_map_and_a_search_say_which_errors_are_extrapolated() {
     };
     with("[10, 11]");
     let map = shop.done(&["map", "cell.toml"]);
-    let said = "usable nodes, the spot among them, are extrapolated: there, joint coordinates are outside the ranges of the measured postures: q2";
+    let said = "usable nodes, the spot among them, are extrapolated, because these joints are outside the ranges of the measured postures: q2";
     assert!(map.err.contains(said), "{}", map.err);
     let document = shop.json(&["map", "cell.toml"]);
     valid(DocumentKind::Map, &document);

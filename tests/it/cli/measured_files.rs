@@ -352,7 +352,11 @@ fn joints_come_from_a_second_table() {
     let half: Vec<_> = unnamed.lines().take(30).collect();
     shop.write("short.txt", &half.join("\n"));
     let refused = shop.run(&["calibrate", "ur10", "leica.txt", "--joints", "short.txt"]);
-    assert!(refused.code == Some(2) && refused.err.contains("no column matches the rows"), "{}", refused.err);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("no common column identifies the postures"),
+        "{}",
+        refused.err
+    );
     let alone = shop.run(&["calibrate", "ur10", "leica.txt"]);
     assert!(alone.code == Some(2) && alone.err.contains("--joints FILE"), "{}", alone.err);
 }

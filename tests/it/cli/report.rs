@@ -274,7 +274,7 @@ fn a_search_without_a_layout_reports_no_and_the_reason() {
     // The reasons are those of a layout that the page does not show.
     let told = items(&search["reasons"])
         .iter()
-        .map(|reason| json!(format!("closest layout that the search examined: {}", text(reason))));
+        .map(|reason| json!(format!("in the examined layout that is closest to feasible: {}", text(reason))));
     assert_eq!(items(&verdict["reasons"]), told.collect::<Vec<_>>());
     assert!(!items(&verdict["reasons"]).is_empty());
     let html = shop.text("report.html");

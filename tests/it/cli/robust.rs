@@ -15,7 +15,7 @@ fn robust_reports_worst_corner_slopes_and_allowed_misplacement() {
     for words in [
         "placement tolerance: worst ",
         "gradient: x ",
-        " times the tolerances",
+        " times the placement tolerances",
         "may be misplaced by at most ",
     ] {
         assert_eq!(told.out.matches(words).count() % 2, 0, "{}", told.out);

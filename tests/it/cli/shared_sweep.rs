@@ -177,7 +177,7 @@ fn a_combination_that_kills_its_workers_is_given_up() {
     let ran = shop.run(&["sweep", "--claim", "shared"]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(4), ""), "{}", ran.err);
     assert!(
-        ran.err.contains("1 combination given up, because 6 workers per combination have died: 1"),
+        ran.err.contains("1 combination given up (1), because 6 workers per combination have died"),
         "{}",
         ran.err
     );

@@ -178,7 +178,7 @@ fn held_tasks_are_cancelled_and_submitted_again() {
     let ran = submit(&shop, &sweep(&["--out", "swept", "--on", "slurm", "--chunk", "5"]));
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert!(
-        ran.err.contains("a node failed to start tasks of job 1; these tasks are cancelled"),
+        ran.err.contains("a compute node failed to start tasks of job 1; these tasks are cancelled"),
         "{}",
         ran.err
     );

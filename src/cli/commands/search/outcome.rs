@@ -95,7 +95,7 @@ impl<'a> SearchOutcome<'a> {
                 Some(change) => {
                     let word = match cell.search.robust {
                         true => {
-                            format!("proven bound of the {} over the misplacements", objective_word(cell))
+                            format!("{} (upper bound, proven for every misplacement)", objective_word(cell))
                         }
                         false => objective_word(cell),
                     };

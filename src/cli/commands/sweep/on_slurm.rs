@@ -140,7 +140,7 @@ impl<'s> ClusterRun<'s> {
                 Ok(QueueState::Gone) => break,
                 Ok(QueueState::Held) => {
                     output::talk(&format!(
-                        "note: a node failed to start tasks of job {id}; these tasks are cancelled"
+                        "note: a compute node failed to start tasks of job {id}; these tasks are cancelled"
                     ));
                     if let Err(why) = cancel(id) {
                         output::talk(&format!("warning: {why}"));

@@ -65,7 +65,7 @@ fn note(status: &mut SweepStatus, folder: &Path, index: usize, now: SystemTime) 
             status.free += 1;
             return;
         }
-        (_, None) => "the worker died before it left its name".into(),
+        (_, None) => "the worker died before it wrote its name".into(),
         (_, Some(claim)) => match claim.state {
             ClaimState::Running if age <= f64::from(claim.lease) => {
                 let SweepClaim { host, process, seconds, .. } = claim.clone();

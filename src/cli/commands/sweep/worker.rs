@@ -138,7 +138,7 @@ impl SharedRun<'_> {
         let list = given_up.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
         let again = continuing(&self.sweep.plan, &self.sweep.folder, "--resume");
         output::error(&format!(
-            "{} given up, because {MAX_LOSSES} workers per combination have died: {list}",
+            "{} given up ({list}), because {MAX_LOSSES} workers per combination have died",
             counted(given_up.len(), "combination")
         ));
         output::talk(&format!(

@@ -20,8 +20,8 @@ pub struct JointMap {
     pub signs: [f64; MAX_JOINTS],
     /// Offset of every revolute joint, rad: a multiple of 90 degrees.
     pub offsets: [f64; MAX_JOINTS],
-    /// Couplings: joint, earlier joint, and factor (1 or -1). The value of the earlier joint times the factor
-    /// is added to the coordinate of the joint.
+    /// Couplings: joint, earlier joint, and factor (1 or -1). The coordinate of the joint includes the value
+    /// of the earlier joint, multiplied by the factor.
     pub couplings: [Option<(usize, usize, f64)>; MAX_COUPLINGS],
 }
 

@@ -95,13 +95,14 @@ impl OffsetWrist {
     /// joint coordinates. The branch index numbers the solutions of this pose. A solution may change its
     /// index while the pose moves, because other solutions appear and vanish.
     ///
-    /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. Let P be the intersection of axes 4 and 5. The solver scans theta_6, which determines the
-    /// required position of P. If the first three joints cannot reach P at any scanned theta_6, the measure
-    /// is a distance. It is the least distance between P and the points that these joints reach. Otherwise
-    /// the measure is the least difference of two cosines over all scanned theta_6, times the forearm length
-    /// r_4. The first cosine is that of the angle between axes 4 and 5. The second cosine is the required
-    /// value, cos alpha_4.
+    /// Returns a measure (m) of how far the target is out of reach. The measure is 0 if there is a solution.
+    /// Otherwise, one of the two following rules gives the measure.
+    ///
+    /// Let P be the intersection of axes 4 and 5. The solver scans theta_6, which determines the required
+    /// position of P. If the first three joints cannot reach P at any scanned theta_6, the measure is a
+    /// distance. This distance is the least one between P and the points that these joints reach. If the
+    /// joints reach P but no solution exists, the measure is the least `|r_4 (cos beta - cos alpha_4)|` of
+    /// the scan. Here r_4 is the forearm length, and beta is the angle between axes 4 and 5.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)

@@ -93,7 +93,7 @@ impl PlanarArm {
             );
         }
         if [b, c].iter().any(|l| l.sin_alpha.abs() > 1e-12 || l.cos_alpha < 0.0) {
-            return Err("axes 2, 3 and 4 are not parallel (alpha_2 and alpha_3 are not 0)".into());
+            return Err("axes 2, 3 and 4 are not parallel (alpha_2 or alpha_3 is not 0)".into());
         }
         if b.l.abs() < 1e-6 || c.l.abs() < 1e-6 {
             return Err("the length of an arm link is 0 (l_2 or l_3)".into());

@@ -12,8 +12,8 @@ pub struct EnvelopeSection {
 
 /// Closed polygon, whose last point is joined to the first.
 ///
-/// The section of the envelope lies to the left of the polygon. An outer boundary therefore runs
-/// anticlockwise, and the boundary of a hole runs clockwise.
+/// A walk from point to point has the section of the envelope on its left. An outer boundary therefore
+/// runs anticlockwise, and the boundary of a hole runs clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     pub points: Vec<[f64; 2]>,

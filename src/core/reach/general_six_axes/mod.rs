@@ -135,12 +135,14 @@ impl GeneralSixAxes {
     /// joint coordinates. The branch index numbers the solutions of this pose. A solution may change its
     /// index while the pose moves, because other solutions appear and vanish.
     ///
-    /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach. All reachable positions of the origin of frame 5 lie inside a sphere. If the pose requires a
-    /// position outside this sphere, the measure is the distance from the sphere. Otherwise, the measure
-    /// comes from a determinant that depends on one joint angle and is 0 at every solution. A coarse scan of
-    /// this angle samples the determinant. The measure is then the length of the arm times the ratio of the
-    /// least to the greatest absolute determinant. The measure is `f64::MAX` if the pose is not finite.
+    /// Returns a measure (m) of how far the target is out of reach. The measure is 0 if there is a solution,
+    /// and positive if there is none. The measure is `f64::MAX` if the pose is not finite.
+    ///
+    /// All reachable positions of the origin of frame 5 lie inside a sphere. If the pose requires a position
+    /// outside this sphere, the measure is the distance from the sphere. If the required position is inside
+    /// the sphere but no solution exists, the measure comes from a determinant. This determinant depends on
+    /// one joint angle and is 0 at every solution. A coarse scan of this angle samples the determinant. The
+    /// measure is the length of the arm times the ratio of the least to the greatest absolute determinant.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let target = self.arm.scaled(flange);
         let beyond = self.arm.beyond_reach(&target);

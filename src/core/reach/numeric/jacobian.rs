@@ -7,12 +7,14 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Returns the geometric Jacobian: column j is the motion of the TCP per unit of actuator j, base frame.
+/// Returns the geometric Jacobian in the base frame. Column j is the motion of the TCP per unit of actuator
+/// j.
 ///
 /// Let z_i be the axis of joint i, o_i a point on this axis and p the position of the TCP. A revolute joint
 /// moves the TCP by `z_i x (p - o_i)` and rotates it by `z_i`; a prismatic joint moves it by `z_i`. The
-/// column of an actuator is the sum of these motions for all joints that it drives, times the coupling
-/// factors. Columns beyond the number of joints are 0.
+/// column of an actuator is the sum of these motions over all joints that the actuator drives. Each motion is
+/// multiplied by the coupling factor from the actuator to the joint. Columns beyond the number of joints are
+/// 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = dh_jacobian(chain, frames);
     // The coupling matrix is lower triangular: the columns after j still refer to the D-H coordinates.

@@ -25,7 +25,8 @@ use nalgebra::Vector6;
 /// [`PointSet::count`].
 const LANES: usize = 4;
 
-/// Distribution of the norm `|e|` of a random vector `e`, in which one bounded parameter dominates.
+/// Distribution of the norm `|e|` of a random vector `e`, in which one bounded parameter dominates. A bounded
+/// parameter has a uniform or triangular distribution.
 pub struct ConditionalNorm<'a> {
     /// Component of the error along the effect of the dominating parameter, at each point. The error excludes
     /// this parameter.

@@ -19,9 +19,9 @@ const ALONE_WEIGHT: f64 = 2.1;
 /// Distribution of the norm `|e|` of an error `e`, by the method that suits the parameters.
 #[allow(clippy::large_enum_variant)] // It lives on the stack of the node loop, which must not allocate.
 pub enum NormLaw<'a> {
-    /// No bounded parameter dominates: `e` is nearly normal.
+    /// No uniform or triangular parameter dominates: `e` is nearly normal.
     NearlyNormal(NormDistribution),
-    /// Bounded parameters dominate: `e` is not nearly normal.
+    /// Uniform or triangular parameters dominate: `e` is not nearly normal.
     Bounded(ConditionalNorm<'a>),
 }
 
