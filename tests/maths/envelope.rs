@@ -331,8 +331,8 @@ fn the_envelope_volume_agrees_with_monte_carlo() {
 }
 
 /// Joint 1 of these arms has a range of less than one turn, and its axis points up or down. The last joint
-/// provides the spin, so the size is integrated over radius and height. A last joint with a range of less than
-/// the distance between sampled spins does not provide the spin in every posture.
+/// provides the spin, so the size is integrated over radius and height. A last joint with a range of less
+/// than the distance between sampled spins does not provide the spin in every posture.
 #[test]
 fn the_envelope_volume_of_a_six_axis_arm_agrees_with_monte_carlo() {
     for (name, low, high) in [

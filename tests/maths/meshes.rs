@@ -240,8 +240,16 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("part.stl", vec![0; 134], "states 0 triangles, but the file is large enough for only 1"),
         ("part.stl", vec![0xff; 500], "states 4294967295 triangles, but the file is large enough for only 8"),
         ("part.stl", with(80, &u32::MAX.to_le_bytes()), "states 4294967295 triangles"),
-        ("part.stl", with(80, &13u32.to_le_bytes()), "states 13 triangles, but the file is large enough for only 12"),
-        ("part.stl", stl[..stl.len() - 1].to_vec(), "states 12 triangles, but the file is large enough for only 11"),
+        (
+            "part.stl",
+            with(80, &13u32.to_le_bytes()),
+            "states 13 triangles, but the file is large enough for only 12",
+        ),
+        (
+            "part.stl",
+            stl[..stl.len() - 1].to_vec(),
+            "states 12 triangles, but the file is large enough for only 11",
+        ),
         (
             "part.stl",
             with(84 + 12, &point(f32::NAN)),

@@ -296,8 +296,8 @@ fn random_tolerances(robot: &Robot, rng: &mut ChaCha8Rng) -> ErrorSet {
 }
 
 /// Errors before the first joint and after the last joint rotate about the axes of these joints, which have
-/// no coordinate in the boxes. The bound stays below every posture tried. For most RMS values and percentiles,
-/// it is close to the least value.
+/// no coordinate in the boxes. The bound stays below every posture tried. For most RMS values and
+/// percentiles, it is close to the least value.
 #[test]
 fn errors_that_rotate_about_the_first_or_last_axis_are_bounded() {
     let mut rng = ChaCha8Rng::seed_from_u64(59);
@@ -387,8 +387,9 @@ fn random_question(stem: &str, rng: &mut ChaCha8Rng) -> Cell {
     cell
 }
 
-/// Cells of every robot of the library, with random readings, models, senses and errors. The heights of the table are
-/// fixed, listed or free. The bound is compared with random layouts and with the best layout of a search.
+/// Cells of every robot of the library, with random readings, models, senses and errors. The heights of the
+/// table are fixed, listed or free. The bound is compared with random layouts and with the best layout of a
+/// search.
 #[test]
 fn no_layout_of_a_random_cell_is_below_the_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(61);

@@ -316,8 +316,9 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     }
 }
 
-/// Errors of the joint frames and of the tool. If the tool errors are isotropic about the tool axis, all spins
-/// of a family have one value. In form 2 they are not, and in form 3 a joint frame is not isotropic either.
+/// Errors of the joint frames and of the tool. If the tool errors are isotropic about the tool axis, all
+/// spins of a family have one value. In form 2 they are not, and in form 3 a joint frame is not isotropic
+/// either.
 #[test]
 fn isotropic_tool_errors_do_not_change_the_layouts() {
     let mut rng = ChaCha8Rng::seed_from_u64(27);
@@ -363,7 +364,8 @@ fn isotropic_tool_errors_do_not_change_the_layouts() {
     assert!(counts.iter().all(|c| *c > 10), "{counts:?}");
 }
 
-/// The value at a posture is the figure that a map reports for the same posture, with the spin of this posture.
+/// The value at a posture is the figure that a map reports for the same posture, with the spin of this
+/// posture.
 fn check_values(workcell: &Workcell, form: usize) {
     for operation in 0..workcell.cell.operations.len() {
         let (evaluator, chain) = (workcell.evaluator(operation), workcell.inverse().chain());

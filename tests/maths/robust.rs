@@ -503,8 +503,9 @@ fn placement_tolerances_are_read_in_si_units() {
     assert_eq!(listed[..2], [2, 4]);
 }
 
-/// The corners of the tolerances are always checked, also if a certificate replaces the search for the largest
-/// misplacement up to the tolerances. If all misplacements up to the tolerances are allowed, no corner is lost.
+/// The corners of the tolerances are always checked, also if a certificate replaces the search for the
+/// largest misplacement up to the tolerances. If all misplacements up to the tolerances are allowed, no
+/// corner is lost.
 #[test]
 fn no_corner_is_lost_within_the_largest_allowed_misplacement() {
     let (mut wide, mut count) = (0, 0);

@@ -257,8 +257,8 @@ fn measured_angles_are_equal_modulo_a_turn_and_lengths_are_not() {
     }
 }
 
-/// The flange of a SCARA always points down, so the nominal arm leaves the height of a reflector undetermined.
-/// With the true errors, the prediction still agrees with the measurement.
+/// The flange of a SCARA always points down, so the nominal arm leaves the height of a reflector
+/// undetermined. With the true errors, the prediction still agrees with the measurement.
 #[test]
 fn reflectors_below_a_vertical_flange_are_predicted_with_the_true_errors() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);

@@ -83,9 +83,8 @@ class AllocationDocument(Record):
     cost_before: float
     """Cost of the tolerances in the error set."""
     cost: Optional[float]
-    """Cost of the final tolerances; null if infeasible. If a figure still exceeds its limit after the last
-    round, all tolerances are reduced. `cost` includes this reduction, which makes the tolerances more
-    expensive.
+    """Cost of the final tolerances; null if infeasible. If the optimized tolerances give a figure above its
+    limit, the program finally reduces all tolerances. This reduction increases `cost`.
     """
     lower_bound: Optional[float]
     """Proven lower bound of the cost; null if infeasible. The proof uses figures of the linear error model. A
@@ -135,7 +134,7 @@ class AllocationRequirement(Record):
 
 
 class AlternativeEntry(Record):
-    """Layout of the Pareto front or of the shortlist."""
+    """Layout of the Pareto front, or of the shortlist: the best layouts that differ clearly from each other."""
 
     file: str
     """Cell file of the layout in the folder of the search."""
@@ -157,7 +156,7 @@ class AssumedEntry(Record):
     """Value that the cell file leaves out and that was assumed."""
 
     key: str
-    """Key of the cell file that changes the value."""
+    """Key with which a cell file states this value."""
     value: str
     """Assumed value in the notation of the cell file."""
 
@@ -292,8 +291,8 @@ class CheckDocument(Record):
     valid: bool
     faults: Table[Fault]
     self_collision: Table[OwnPairEntry]
-    """Pairs of the robot's solids, with a reason if the two solids may touch. If self-collision is not checked,
-    the list holds only pairs with the pedestal.
+    """Pairs of the robot's solids. A pair states a reason if contact of its two solids is allowed. If self-
+    collision is not checked, the list holds only pairs with the pedestal.
     """
     operations: Table[OperationOrderEntry]
     """Entries that state how a search treats each operation. Empty if the cell is not valid."""
@@ -597,7 +596,7 @@ class EnvelopeDocument(Record):
     bend_deg: float
     """Elevation of the tool axis above the horizontal."""
     step_mm: float
-    """Distance between the sample points."""
+    """Distance between neighbouring sample points. The envelope is computed from these points."""
     size: SizeEntry
     section: SectionEntry
     plans: Table[PlanEntry]
@@ -615,7 +614,7 @@ class EnvelopeSize(Record):
     bend_deg: float
     """Elevation of the tool axis above the horizontal."""
     step_mm: float
-    """Distance between the sample points."""
+    """Distance between neighbouring sample points. The envelope is computed from these points."""
     size: SizeEntry
 
     _nested = {
@@ -661,7 +660,9 @@ class ErrorsDocument(Record):
     ap: AccuracyQuantiles
     """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
-    """Predicted pose accuracy AP from the printed tolerances, which include the random errors."""
+    """Predicted pose accuracy AP from the tolerances in `parameters`. These tolerances include the random
+    errors.
+    """
     joint_scatter: Optional[_Numbers]
     """Standard deviations of the joint coordinates: degrees, or mm for a prismatic joint. Together they cause
     the repeatability `wanted_rp_mm`. Null if `wanted_rp_mm` is null.
@@ -688,24 +689,30 @@ class EstimateEntry(Record):
 
 
 class ExpectedEntry(Record):
-    """Expected root mean square error of predicted positions at the operations. The base is assumed to be
-    registered again. The part of the error that the unknowns do not explain is not counted.
+    """Expected root mean square error of predicted positions at the operations. The expected errors assume a new
+    measurement of the base frame, with the robot, after the calibration. The expected errors leave out the
+    part that the new base frame removes. They also leave out errors that the unknowns of the calibration
+    cannot explain.
     """
 
     nodes: int
-    """Number of usable nodes of all operations over which the error is averaged."""
+    """Number of nodes in the root mean square: the usable nodes of all operations."""
     before_mm: float
     """Error without a measurement, from the standard deviations of the unknowns."""
     after_mm: float
     """Error after the planned poses are measured."""
     evenly_spread_mm: float
-    """Error after the same number of other poses is measured. These poses are spread evenly over the joint
-    space.
+    """Error after another set of poses is measured. This set has as many poses as the plan, spread evenly over
+    the joint space.
     """
     shared_misfit_mm: float
-    """Assumed unexplained error that is nearly equal at nearby poses, as a standard deviation per axis."""
+    """Assumed standard deviation, per axis, of one part of the errors that the unknowns do not explain. This
+    part is nearly equal at nearby poses.
+    """
     own_misfit_mm: float
-    """Assumed unexplained error that is independent from pose to pose, as a standard deviation per axis."""
+    """Assumed standard deviation, per axis, of the other part of the errors that the unknowns do not explain.
+    This part is independent from pose to pose.
+    """
 
 
 class ExplanationDocument(Record):
@@ -758,26 +765,28 @@ class ExplanationDocument(Record):
     nonlinear: DisplacementEntry
     """Error of the TCP by the nonlinear model, in the world frame."""
     robot_alone_nonlinear: DisplacementEntry
-    """Nonlinear error of the robot alone, in the world frame. This error ignores the registration, the error at
-    the pick of the part, and the errors of the equipment.
+    """Nonlinear error of the robot alone, in the world frame. This error ignores the registration and the errors
+    of the equipment. If the operation places a picked part, the error at the pick is ignored, too.
     """
     taken_off_nonlinear: DisplacementEntry
-    """Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. Three effects add up to this
-    difference: the registration, the error at the pick of the part, and the errors of the equipment.
+    """Difference `robot_alone_nonlinear` minus `nonlinear`, in the world frame. The registration and the errors
+    of the equipment cause this difference. If the operation places a picked part, the error at the pick
+    contributes, too.
     """
     guard: PostureGuardEntry
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
     """Sign of every parameter at the worst corner of the tolerance box. Null in the signed reading if the errors
-    of the sample compensate each other. The program assumes that they do if the error of a Denavit-Hartenberg
-    length (r or l) exceeds the reach of the arm.
+    of the sample compensate each other. The program assumes such compensation if the error of a Denavit-
+    Hartenberg length (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
     """Limit minus the value of the operation; negative if the value exceeds the limit. If a certificate is
-    required, a known upper bound of this value over all misplacements replaces the value. Null if the
-    operation has no limit, or if the quantity is the yield.
+    required, the margin is the limit minus the upper bound of the value over all misplacements. If this bound
+    is not known, the margin remains the limit minus the value. Null if the operation has no limit, or if the
+    quantity is the yield.
     """
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
@@ -846,8 +855,8 @@ class FailedCombination(Record):
 
 class Fault(Record):
     """Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1. A setting on
-    the command line has no position in a file. `file` is then the setting as typed, and line and column are
-    both zero.
+    the command line has no position in a file. In a fault of such a setting, `file` is the setting as typed,
+    and line and column are zero.
     """
 
     severity: Literal['error', 'warning']
@@ -934,7 +943,9 @@ class HashedFile(Record):
     """File and its SHA-256 in hexadecimal."""
 
     path: str
-    """Path of an input relative to the folder of the cell file, or of an output inside the result folder."""
+    """Path of the file. The path of an input is relative to the folder of the cell file. The path of an output
+    is relative to the result folder.
+    """
     sha256: str
 
 
@@ -958,11 +969,9 @@ class IdentifiedParameter(Record):
     prior: Optional[float]
     """Standard deviation before the measurement. Null if a file states the parameter."""
     sigma: Optional[float]
-    """Standard deviation after the measurement. Null if a file states the parameter without a standard
-    deviation.
-    """
+    """Standard deviation after the measurement. Null if a file states the parameter."""
     identified: bool
-    """Whether the data reduce the standard deviation to less than half."""
+    """Whether `sigma` is less than half of `prior`. True if a file states the parameter."""
 
 
 class IslandEntry(Record):
@@ -1032,9 +1041,7 @@ class JudgementEntry(Record):
     below their limits.
     """
     programs: int
-    """Number of cone programs, which are convex optimization problems, solved in the round that gave the
-    solution.
-    """
+    """Number of convex optimization problems (cone programs) in the round that gave the solution."""
 
 
 class LargestEntry(Record):
@@ -1119,8 +1126,9 @@ class MapDocument(Record):
     requires.
     """
     cell_yield: Optional[CellYieldEntry]
-    """Share of arms that stay within the limits of all operations, and of each operation alone. Present if the
-    reading is statistical, every operation has a spot, and at least one operation has a limit.
+    """Overall yield: share of sampled arms that stay within the limits of all operations. The entry also states
+    the yield of each operation alone. Present if the reading is statistical, every operation has a spot, and
+    at least one operation has a limit.
     """
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
@@ -1177,7 +1185,7 @@ class MapNode(Record):
     error_sense_deg: Optional[float]
     """Error that the operation's sense measures; null if this sense measures a length."""
     value: Optional[float]
-    """Value at this node of the figure that the search minimizes, in the `unit` of the document."""
+    """Figure that the search minimizes, evaluated at this node, in the `unit` of the document."""
     touched: Optional[bool]
     """Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot."""
     rotation_deg: Optional[_Numbers]
@@ -1217,7 +1225,7 @@ class MapNode(Record):
 
 
 class MeasuredSpotEntry(Record):
-    """One spot with its errors."""
+    """Spot, a commanded position, with the errors of the poses there."""
 
     position_mm: _Numbers
     """Mean position of the reflector for the nominal robot, in the base frame."""
@@ -1266,7 +1274,7 @@ class MisfitEntry(Record):
     joints: _Numbers
     """Standard deviation of the error of every joint: degrees, or mm for a prismatic joint."""
     position_mm: float
-    """Standard deviation of a position per axis, mm."""
+    """Standard deviation, along each axis, of the unexplained position error that no joint causes, mm."""
 
     _nested = {
         'joints': ('numbers', ''),
@@ -1313,9 +1321,9 @@ class MonteCarloEntry(Record):
     """Share of samples within the limit; null if the operation has no limit."""
     share_above_first_order_p95: EstimateEntry
     first_order_holds: Optional[bool]
-    """Whether the samples confirm the first-order figures. If they do not, the figures of the samples replace
-    the first-order figures, also in the value and margin of the operation. The value remains first-order if
-    the search is robust, or if the value combines several nodes.
+    """Whether the samples confirm the first-order figures. If the samples contradict the first-order figures,
+    the figures of the samples replace them. The value and the margin of the operation then also come from the
+    samples. The value remains first-order if the search is robust, or if the value combines several nodes.
     """
 
     _nested = {
@@ -1372,8 +1380,8 @@ class OperationBudget(Record):
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
     """Whether the linear worst case is exact; otherwise it is an upper bound. Null in the signed reading if the
-    errors of the sample compensate each other. The program assumes that they do if the error of a Denavit-
-    Hartenberg length (r or l) exceeds the reach of the arm.
+    errors of the sample compensate each other. The program assumes such compensation if the error of a
+    Denavit-Hartenberg length (r or l) exceeds the reach of the arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -1394,8 +1402,8 @@ class OperationBudget(Record):
     null.
     """
     linear_rms: Optional[float]
-    """Standard deviation of the error by the linear model, in the unit of the sense; null if
-    `worst_linear_exact` is null.
+    """Root mean square deviation of the error from its mean, by the linear model, in the unit of the sense. Null
+    if `worst_linear_exact` is null.
     """
 
     _nested = {
@@ -1427,12 +1435,15 @@ class OperationMapEntry(Record):
     limit: Optional[float]
     """Largest allowed error of the operation, in the unit of its sense."""
     margin: Optional[float]
-    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
-    no limit or no value, or if the quantity is the yield.
+    """Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` is known, the
+    margin is the limit minus `worst`, unless the objective is a tolerance cost. Null if the operation has no
+    limit or no value, or if the quantity is the yield.
     """
     over: Literal['best', 'max', 'mean', 'p95']
     value: Optional[float]
-    """Value of the operation: the value of its best node, or the combined value of all its nodes."""
+    """Value of the operation: the values of its nodes, combined by the rule that the field `over` states. The
+    rule `best` gives the value of the best node.
+    """
     worst: Optional[float]
     """Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
     certified, or if no bound is known.
@@ -1440,9 +1451,7 @@ class OperationMapEntry(Record):
     counts: StatusCounts
     guard: GuardEntry
     extrapolated: Optional[ExtrapolatedEntry]
-    """Usable nodes at which a joint is outside the range that the calibration measured; left out if there are
-    none.
-    """
+    """Usable nodes at which a joint is outside the range of the measured postures; left out if there are none."""
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the spot; null unless the reading is statistical."""
     best: Optional[MapNode]
@@ -1451,7 +1460,7 @@ class OperationMapEntry(Record):
     node is unusable.
     """
     refined: Optional[RefinedEntry]
-    """Spot refined between the nodes of the grid."""
+    """Best spot between the nodes of the grid; null if the program computed no such spot."""
 
     _nested = {
         'senses': ('table', 'SenseEntry'),
@@ -1477,8 +1486,9 @@ class OperationOrderEntry(Record):
     why: Optional[str]
     """Reason why the search judges every posture; null if the search skips some postures."""
     why_no_field: Optional[str]
-    """Reason why the operation can have no value field (lower bounds that hold in every layout), which excludes
-    nodes. Null if the operation can have a value field.
+    """Reason why no value field can be computed for the operation; null if one can be computed. A value field is
+    a table of lower bounds of the operation's value at a node. The bounds hold in every layout, and a search
+    excludes nodes by them.
     """
 
 
@@ -1512,12 +1522,12 @@ class OwnPairEntry(Record):
     a: str
     b: str
     allowed: Optional[str]
-    """Reason why the two solids may touch; null if a contact is a collision."""
+    """Reason why contact of the two solids is allowed; null if contact counts as a collision."""
 
 
 class ParameterEntry(Record):
-    """Effect of one parameter. Motions, lever and effect are in the base frame. The terms `linear_term_mm` and
-    `linear_term_deg` of the linear model are in the world frame.
+    """Effect of one parameter. Vectors with `base` in their names are in the base frame. The terms
+    `linear_term_mm` and `linear_term_deg` of the linear model are in the world frame.
     """
 
     parameter: str
@@ -1609,9 +1619,10 @@ class PoseEntry(Record):
 
 
 class PostureGuardEntry(Record):
-    """Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
-    the position errors of the model and of the nonlinear model. The discrepancy is in percent of the length
-    of the nonlinear position error.
+    """Discrepancies of the linear and the second-order model at a posture. A discrepancy is the length of the
+    difference between two position errors. One error comes from the linear or the second-order model, and the
+    other error comes from the nonlinear model. The discrepancy is in percent of the length of the nonlinear
+    position error.
     """
 
     threshold_percent: float
@@ -1762,9 +1773,10 @@ class RefinedEntry(Record):
 
 class RegionEntry(Record):
     """Region in the world frame in which a piece of equipment or the robot base may stand. All other pieces keep
-    their placements. Every operation keeps its spot and branch; an operation at every node may change the
-    branch of single nodes. Everywhere in the region, the layout works within the placement tolerances. The
-    objective grows by at most the percentage `indifference_percent` of the cell file.
+    their placements. An operation that happens at one node keeps its spot and branch. An operation that
+    happens at every node uses the best posture of each node. Everywhere in the region, the layout works at
+    every misplacement within the placement tolerances. The objective grows by at most the percentage
+    `indifference_percent` of the cell file.
     """
 
     equipment: str
@@ -1799,7 +1811,7 @@ class RegionEntry(Record):
 
 class RegretEntry(Record):
     """Largest regret (`ratio`), and the operation, reading and registration to which it belongs. A regret
-    compares the spot that the signed reading chooses with the best spot.
+    compares the values at two spots: the choice of the signed reading, and the best spot under `reading`.
     """
 
     operation: str
@@ -1850,7 +1862,7 @@ class RemedyEntry(Record):
     objective: Optional[float]
     """Objective in the unit of the document; null if the layout is not feasible."""
     gain_percent: Optional[float]
-    """Reduction of the objective relative to the present layout, percent."""
+    """Reduction of the objective compared with the remedy `as-drawn` (layout as drawn, no calibration), percent."""
     within_limits: Optional[bool]
     """Whether every operation stays within its limit; null if no operation has a limit."""
     reasons: List[str]
@@ -1894,7 +1906,7 @@ class RepeatsEntry(Record):
     largest_rp_mm: float
     """Largest pose repeatability of a posture."""
     least_visits: int
-    """Least number of visits of a repeated posture."""
+    """Number of visits of the repeated posture with the fewest visits."""
     enough_visits: bool
     """Whether every repeated posture was visited as often as the standard demands."""
     postures: Table[RepeatedPostureEntry]
@@ -1909,16 +1921,16 @@ class RequirementEntry(Record):
 
     limit: float
     """Largest allowed value of the operation. If the objective is a tolerance cost, this limit is the cost of
-    the tightest tolerances. A greater value means that the error exceeds its own limit even with the tightest
-    tolerances.
+    the tightest tolerances. A value above this cost means that the error exceeds its limit even at the
+    tightest tolerances.
     """
     margin: float
-    """Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
-    withstand misplacements, `worst` replaces the value.
+    """Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` of `SpotEntry`
+    is known, the margin is the limit minus `worst`, unless the objective is a tolerance cost.
     """
     met: bool
-    """Whether the limit is met. The limit counts as missed if the layout must withstand misplacements but
-    `worst` is not known.
+    """Whether the limit is met. An error limit counts as missed if the layout must withstand misplacements but
+    `worst` of `SpotEntry` is null.
     """
 
 
@@ -2102,12 +2114,12 @@ class RobustnessEntry(Record):
     Empty if none of these placements has a tolerance.
     """
     corners: int
-    """Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of all
-    bodies, also of bodies that `tolerance` leaves out.
+    """Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of the robot
+    base and of all equipment. Equipment that `tolerance` leaves out is included.
     """
     worst: Optional[CornerEntry]
-    """Evaluated corner of the tolerance boxes with the greatest value of the operation. Null if `tolerance` is
-    empty, or if the operation cannot be done at any corner.
+    """Evaluated corner of the tolerance boxes at which the operation has its greatest value. Null if `tolerance`
+    is empty, or if the operation cannot be done at any corner.
     """
     lost: Table[LostEntry]
     """Evaluated corners of the tolerance boxes at which the operation cannot be done."""
@@ -2121,12 +2133,12 @@ class RobustnessEntry(Record):
     placement has a tolerance.
     """
     largest_in_plan_mm: LargestEntry
-    """Largest horizontal displacement of the equipment that is allowed in every direction. A displacement is
-    allowed if the operation stays feasible and within its limit.
+    """Largest distance by which the equipment under the operation may be displaced in every horizontal
+    direction. A displacement is allowed if the operation stays feasible and within its limit.
     """
     largest_yaw_deg: LargestEntry
-    """Largest yaw of the equipment that is allowed in both directions. A yaw is allowed if the operation stays
-    feasible and within its limit.
+    """Largest angle by which the equipment under the operation may be rotated about the vertical in both
+    directions. A rotation is allowed if the operation stays feasible and within its limit.
     """
     holds: bool
     """Whether the operation stays feasible and within its limit over the tolerances."""
@@ -2224,9 +2236,10 @@ class SearchResult(Record):
     the reason why not. Null if no placement has a tolerance, or if `ideal` in the table `[search]` is true.
     """
     least_value: Optional[float]
-    """Least objective found, in `unit`. Layouts whose objective is at most `indifference_percent` (cell file)
-    greater count as equally good. Among them, the search chooses one with nearly the largest room. The room
-    of a layout is the least `room_mm` of its pieces. Null if no layout is feasible and within every limit.
+    """Least objective found, in `unit`. Layouts count as equally good if their objectives exceed the least
+    objective by at most `indifference_percent` (cell file). Among these layouts, the search chooses one with
+    nearly the largest room. The room of a layout is the least `room_mm` of its pieces. Null if no layout is
+    feasible and within every limit.
     """
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
@@ -2451,7 +2464,7 @@ class SpotEntry(Record):
     joints_deg: Optional[_Numbers]
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     refined: Optional[RefinedEntry]
-    """Spot refined between the nodes of the grid."""
+    """Best spot between the nodes of the grid; null if the program computed no such spot."""
     robustness: Optional[RobustnessEntry]
     """Effect of misplacement on the operation; null if the effect was not computed."""
     error_mm: Optional[_Numbers]
@@ -2577,7 +2590,9 @@ class SweepGroup(Record):
 
 
 class SweepPlan(Record):
-    """Plan of a sweep, `plan.json`. Plans with equal fields give files with equal bytes."""
+    """Plan of a sweep, `plan.json`. A combination takes one value of every `--set` option. Plans with equal
+    fields give files with equal bytes.
+    """
 
     schema: Literal['sweetspot/sweep-plan/1']
     version: str
@@ -2620,7 +2635,9 @@ class SweepRow(Record):
 
     index: int
     set: Dict[str, Any]
-    """Value of every `--set` option by its path: parsed as JSON if possible, otherwise text."""
+    """Values of the `--set` options. The key of each value is the path that the option states. A value is parsed
+    as JSON if possible; otherwise it is text.
+    """
     feasible: bool
     objective: Optional[float]
     """Objective of the layout in `unit`; null if the layout is not feasible."""
@@ -2666,11 +2683,13 @@ class SweepSpot(Record):
     """Largest allowed error of the operation, in `error_unit`."""
     error_unit: Literal['share', 'cost', 'mm', 'deg']
     limit_met: Optional[bool]
-    """Whether the limit is met; null if the operation has no limit or no spot. A limit that is not guaranteed
-    over the misplacements counts as missed.
+    """Whether the limit is met; null if the operation has no limit or no spot. The limit counts as missed if
+    `requirement` is `not-guaranteed`.
     """
     requirement: Literal['not-guaranteed', 'none', 'met', 'missed']
-    """Whether the operation meets its limit, with the case that the limit is not guaranteed."""
+    """State of the limit: `met`, `missed`, `not-guaranteed`, or `none` (no limit or no spot). The state `not-
+    guaranteed` means met without misplacement, but not proven for all misplacements.
+    """
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2694,7 +2713,7 @@ class SweepStatus(Record):
     hosts: Table[HostWork]
     """Work that each host has done. Only workers of `sweep --claim` leave this information."""
     complete: bool
-    """Whether the table is written."""
+    """Whether the tables and the manifest of the sweep are written."""
 
     _nested = {
         'running': ('table', 'RunningCombination'),
@@ -2751,7 +2770,7 @@ class TestPoseEntry(Record):
     joints: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     ap_mm: float
-    """Median, over all robots, of the accuracy at this pose."""
+    """Median, over all simulated robots, of the pose accuracy AP at this pose."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2815,8 +2834,8 @@ class ToolSheet(Record):
 class TotalEntry(Record):
     """Error figures of a posture, for the component of the error that counts for the operation (its sense).
     Worst case and statistics are null in the signed reading if the errors of the sample compensate each
-    other. The program assumes that they do if the error of a Denavit-Hartenberg length (r or l) exceeds the
-    reach of the arm.
+    other. The program assumes such compensation if the error of a Denavit-Hartenberg length (r or l) exceeds
+    the reach of the arm.
     """
 
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -2840,18 +2859,18 @@ class TransferEntry(Record):
     to: str
     way: str
     travel_deg: float
-    """Largest joint travel of each straight move, summed over all moves, degrees. The sum is a measure of the
-    transfer time.
+    """Sum over all straight moves of the motion, degrees. Each move contributes the travel of the joint that
+    travels farthest in this move. The sum is a measure of the transfer time.
     """
     joints_deg: List[List[float]]
     """Joint vectors along the motion, which is a straight line in joint space from each vector to the next."""
 
 
 class TriedEntry(Record):
-    """Postures that were tried."""
+    """Numbers of postures that were examined for the plan: usable, colliding, and hidden from the tracker."""
 
     candidates: int
-    """Number of postures among which the plan chose."""
+    """Number of usable postures. The poses of the plan were chosen from these postures."""
     colliding: int
     """Number of postures at which the robot touches an object or is nearer to an object than the clearance that
     the cell requires.
@@ -2861,16 +2880,16 @@ class TriedEntry(Record):
 
 
 class TurnEntry(Record):
-    """Rotation about the base axis, which is the vertical line through the origin of the robot base. Equipment
-    rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only with its
-    carrier.
+    """Rotation of equipment, as one body, about the base axis: the vertical line through the origin of the robot
+    base. Equipment rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only
+    with its carrier.
     """
 
     turn_deg: _Numbers
     """Least and greatest angle of the rotation."""
     ends_with: str
-    """Reason why the rotation ends in the direction that allows less rotation. If both directions allow equal
-    rotations, the reason belongs to the negative direction.
+    """Reason why the equipment cannot rotate farther in the direction with the smaller allowed rotation. If both
+    directions allow equal rotations, the reason belongs to the negative direction.
     """
 
     _nested = {
@@ -2897,7 +2916,7 @@ class UrdfEntry(Record):
     rows: Table[UrdfRow]
     last_frame_to_tip: PoseEntry
     ignored: Dict[str, int]
-    """Number of unused elements of the file by kind."""
+    """Number of unused elements of each kind in the file."""
 
     _nested = {
         'base_to_frame_0': ('record', 'PoseEntry'),
@@ -2999,7 +3018,9 @@ class VerdictSpot(Record):
     value: Optional[float]
     limit: Optional[float]
     margin: Optional[float]
-    """Limit minus the value of the operation; negative if the value exceeds the limit."""
+    """Limit minus the value of the operation; negative if the value exceeds the limit. If `worst` is known, the
+    margin is the limit minus `worst`, unless the objective is a tolerance cost.
+    """
     worst: Optional[float]
     """Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
     certified, or if no bound is known.

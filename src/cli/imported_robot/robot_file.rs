@@ -22,8 +22,8 @@ pub fn guessed_preset(robot: &Robot, inverse: &Inverse) -> &'static str {
     }
 }
 
-/// Returns the reach of an arm, m, measured from its first joint. Slides count at their zero position, because
-/// a linear axis does not make an arm larger.
+/// Returns the reach of an arm, m, measured from its first joint. Slides count at their zero position,
+/// because a linear axis does not make an arm larger.
 pub fn own_reach(robot: &Robot) -> f64 {
     let mut robot = robot.clone();
     let slides = robot.joints.iter_mut().filter(|joint| joint.kind == JointKind::Prismatic);

@@ -29,8 +29,8 @@ impl Deformed {
     /// Returns the deformed chain at actuator coordinates `q` for the values of the unknowns.
     ///
     /// The errors of a Denavit-Hartenberg row are small motions in the order
-    /// `Rz(dq) Tz(dr) Tx(dl) Rx(dalpha) Ry(dbeta)`. Each motion acts in a frame of this row. The levers of the
-    /// elastic terms are computed for the chain without errors.
+    /// `Rz(dq) Tz(dr) Tx(dl) Rx(dalpha) Ry(dbeta)`. Each motion acts in a frame of this row. The levers of
+    /// the elastic terms are computed for the chain without errors.
     pub fn new(chain: &Chain, q: &JointVector, unknowns: &[Unknown], values: &[f64]) -> Self {
         let nominal = chain.posture(q);
         let frames = chain.frames(&nominal);

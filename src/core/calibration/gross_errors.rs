@@ -1,4 +1,5 @@
-//! Gross errors: measured positions that do not belong to their posture, such as a lost beam or a typing error.
+//! Gross errors: measured positions that do not belong to their posture, such as a lost beam or a typing
+//! error.
 //!
 //! A few gross errors would enlarge the fitted variance of all positions until the robust loss no longer
 //! recognizes them. They are therefore found before the fit. The search first compares the positions with
@@ -15,11 +16,11 @@ use crate::robot::Chain;
 /// A residual is gross if it exceeds the median residual of its session by this factor. The largest of 10 000
 /// normally distributed errors exceeds the median by a factor of about 3.
 const GROSS: f64 = 10.0;
-/// Least distance, m, of a gross error from the prediction of the nominal arm. The errors of an arm before its
-/// calibration are smaller, although they vary with the posture.
+/// Least distance, m, of a gross error from the prediction of the nominal arm. The errors of an arm before
+/// its calibration are smaller, although they vary with the posture.
 const FAR: f64 = 0.05;
-/// Largest share of the positions of a session that are left out as gross errors. If more positions are suspect,
-/// the model may not fit the session.
+/// Largest share of the positions of a session that are left out as gross errors. If more positions are
+/// suspect, the model may not fit the session.
 const MOST: f64 = 0.1;
 /// Least number of positions in a session. Gross errors are not sought in a session with fewer positions.
 pub const LEAST_POSITIONS: usize = 20;

@@ -122,8 +122,8 @@ pub fn calibrate(
     })
 }
 
-/// Fits base and reflectors like [`aligned`], but without positions whose distance exceeds the median distance
-/// by the factor [`GROSS`]. A few gross errors would otherwise spoil the distances of all positions.
+/// Fits base and reflectors like [`aligned`], but without positions whose distance exceeds the median
+/// distance by the factor [`GROSS`]. A few gross errors would otherwise spoil the distances of all positions.
 fn aligned_without_gross_errors(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
     let mut frames = aligned(poses, measured)?;
     for _ in 0..ROUNDS {

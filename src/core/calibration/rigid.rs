@@ -95,7 +95,8 @@ pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<Sess
         let variance = (squares / (3 * measured.len()) as f64).max(FINEST.powi(2));
         let mut normal = DMatrix::identity(size, size) * 1e-12;
         let mut right = DVector::zeros(size);
-        // The pull to the mechanical interface matters only for coordinates that the positions do not determine.
+        // The pull to the mechanical interface matters only for coordinates that the positions do not
+        // determine.
         let pull = variance / FARTHEST_REFLECTOR.powi(2);
         let coordinates = frames.reflectors.iter().flat_map(|reflector| reflector.iter());
         for (k, coordinate) in coordinates.enumerate() {

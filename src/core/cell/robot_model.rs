@@ -221,12 +221,12 @@ impl Robot {
         aside + if has_far_rows { by_rows.min(self.reach_of_axes(upright)) } else { by_rows }
     }
 
-    /// Returns an upper bound of the distance of the TCP from the base axis, or from the origin of the first row
-    /// if `upright` is false.
+    /// Returns an upper bound of the distance of the TCP from the base axis, or from the origin of the first
+    /// row if `upright` is false.
     ///
-    /// The bound is the sum of the distances between one point on each axis and the next. The axial offsets of
-    /// almost parallel axes can be hundreds of metres, but points near each other exist on such axes. Least
-    /// squares (Gauss-Seidel) choose the points; any choice gives a valid bound.
+    /// The bound is the sum of the distances between one point on each axis and the next. The axial offsets
+    /// of almost parallel axes can be hundreds of metres, but points near each other exist on such axes.
+    /// Least squares (Gauss-Seidel) choose the points; any choice gives a valid bound.
     fn reach_of_axes(&self, upright: bool) -> f64 {
         const SWEEPS: usize = 200;
         let n = self.joints.len();

@@ -40,7 +40,8 @@ pub struct Nearness {
     pub pair: Option<Hit>,
 }
 
-/// Bounds of a robot solid without the clearance, in the world: bounding capsule and axis-aligned bounding box.
+/// Bounds of a robot solid without the clearance, in the world: bounding capsule and axis-aligned bounding
+/// box.
 ///
 /// The bounds are kept from pair to pair, because successive pairs often have a solid of the robot in common.
 #[derive(Default)]

@@ -99,7 +99,8 @@ impl Scene {
             return;
         }
         for (e, solids) in self.equipment.iter().enumerate() {
-            // The last entry, after all equipment, holds walls of the fence and keep-out boxes. They never move.
+            // The last entry, after all equipment, holds walls of the fence and keep-out boxes. They never
+            // move.
             let at = layout.placements.get(e).unwrap_or(&solids.drawn);
             if *at == solids.drawn {
                 placed.bodies.extend_from_slice(&solids.posed);

@@ -317,8 +317,8 @@ impl PlacedLayout<'_> {
         })
     }
 
-    /// Calls `ask` with the query of one operation, the TCP target and the branch at a spot, and the memory of
-    /// this operation in the workspace.
+    /// Calls `ask` with the query of one operation, the TCP target and the branch at a spot, and the memory
+    /// of this operation in the workspace.
     fn asking_at<T>(
         &self,
         operation: usize,

@@ -130,8 +130,8 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes and the
-    /// elevation of the tool, the function removes all nodes from `ranking` and returns false.
+    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes and
+    /// the elevation of the tool, the function removes all nodes from `ranking` and returns false.
     pub(super) fn rank_by_field(&self, ranking: &mut NodeRanking) -> bool {
         let (grid, mapper) = (&self.setup.grid, self.placed.mapper);
         ranking.clear();

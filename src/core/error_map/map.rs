@@ -129,8 +129,8 @@ impl OperationQuery<'_> {
         NodeRecord { i, j, position, status, posture }
     }
 
-    /// Collects the candidates of one node. Returns how far the node is from having a posture within the joint
-    /// limits; None if the node has such a posture.
+    /// Collects the candidates of one node. Returns how far the node is from having a posture within the
+    /// joint limits; None if the node has such a posture.
     fn collected<const BOUNDS: bool>(
         &self,
         (node, target): (usize, Vector3<f64>),

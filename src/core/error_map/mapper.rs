@@ -142,8 +142,8 @@ impl Mapper {
         }
     }
 
-    /// Returns the value field of an operation for targets at the height `z` in the base frame (m), and for an
-    /// elevation of the tool axis (rad). Returns None if no such field is kept.
+    /// Returns the value field of an operation for targets at the height `z` in the base frame (m), and for
+    /// an elevation of the tool axis (rad). Returns None if no such field is kept.
     pub(super) fn value_field(&self, operation: usize, z: f64, elevation: f64) -> Option<&ValueField> {
         self.fields.get()?[operation].iter().find(|field| field.covers(z, elevation))
     }

@@ -1,14 +1,14 @@
 //! Refinement of the chosen posture along the coordinates that the task leaves free.
 //!
 //! The inverse kinematics samples the redundant joint and a free spin of the tool ([`RedundantCoordinate`]).
-//! The least-error posture usually lies between the samples. After the best usable sample was found, a compass
-//! search with parabolic steps therefore starts there, at other good samples, and in narrow ranges without a
-//! sample. Each search keeps the point, the solution of the inverse kinematics and all other coordinates. The
-//! refined posture must be usable, too: collision-free, allowed by the motion rules and, if demanded,
-//! certified.
+//! The least-error posture usually lies between the samples. After the best usable sample was found, a
+//! compass search with parabolic steps therefore starts there, at other good samples, and in narrow ranges
+//! without a sample. Each search keeps the point, the solution of the inverse kinematics and all other
+//! coordinates. The refined posture must be usable, too: collision-free, allowed by the motion rules and, if
+//! demanded, certified.
 //!
-//! A layout to build must leave room to place its pieces. Its postures are therefore not refined up to the edge
-//! of what is certified, nor in narrow ranges.
+//! A layout to build must leave room to place its pieces. Its postures are therefore not refined up to the
+//! edge of what is certified, nor in narrow ranges.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;
@@ -112,8 +112,8 @@ impl OperationQuery<'_> {
     /// Returns the best posture found.
     ///
     /// A sample is no start if a better sample lies beside it, because a search from there leads to the same
-    /// posture. It is no start either if another sample of the node has the same value: the two usually differ
-    /// only in a spin that does not change the value.
+    /// posture. It is no start either if another sample of the node has the same value: the two usually
+    /// differ only in a spin that does not change the value.
     pub(super) fn refined(
         &self,
         best: PostureCandidate,
@@ -265,9 +265,9 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Returns the posture `refined` as a candidate if it is usable. Otherwise returns the last usable posture
-    /// on the path from the start to `refined`, which is found by bisection. For a layout to build, returns the
-    /// start instead.
+    /// Returns the posture `refined` as a candidate if it is usable. Otherwise returns the last usable
+    /// posture on the path from the start to `refined`, which is found by bisection. For a layout to build,
+    /// returns the start instead.
     fn last_usable(
         &self,
         start: PostureCandidate,

@@ -74,8 +74,8 @@ pub struct TwoValuedWalk {
 }
 
 impl TwoValuedWalk {
-    /// Prepares the walk of a chain. `errors` holds the parameters that have an error, as indices in the order
-    /// of [`Parameter::of_robot`].
+    /// Prepares the walk of a chain. `errors` holds the parameters that have an error, as indices in the
+    /// order of [`Parameter::of_robot`].
     ///
     /// Returns None for more than 128 errors, for elastic errors, and if a small motion depends on several
     /// errors.

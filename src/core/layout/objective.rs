@@ -67,8 +67,8 @@ impl Workcell {
     /// Returns the cost of a feasible layout: `objective`, or a penalty if a limit is missed. A value in m or
     /// rad is compared with the limit of its operation.
     ///
-    /// An infinite value, which means that no bound is known, has the excess [`UNKNOWN_EXCESS`] over the limit.
-    /// The objective is then added to the penalty, because it is all that distinguishes such layouts.
+    /// An infinite value, which means that no bound is known, has the excess [`UNKNOWN_EXCESS`] over the
+    /// limit. The objective is then added to the penalty, because it is all that distinguishes such layouts.
     ///
     /// A share of failures is not compared with the limit. The share already counts the arms that exceed the
     /// limit.

@@ -244,8 +244,8 @@ impl FlipPrediction {
         Displacement { position: near.w.cross(&far.g), rotation }
     }
 
-    /// Returns the predicted flip of source `k` at the corner of [`Self::set_corner`]; None if there is no such
-    /// source. The flip is computed when it is first needed.
+    /// Returns the predicted flip of source `k` at the corner of [`Self::set_corner`]; None if there is no
+    /// such source. The flip is computed when it is first needed.
     pub fn flip_of(&mut self, k: usize, measure: &SenseRows) -> Option<&PredictedFlip> {
         if k >= self.sources.len() {
             return None;

@@ -30,8 +30,8 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// Bound for normal parameters.
     Normal(NormalBound),
-    /// Lower bound of a worst case. It leaves out the errors after the last joint, because these errors can only
-    /// increase a worst case.
+    /// Lower bound of a worst case. It leaves out the errors after the last joint, because these errors can
+    /// only increase a worst case.
     WorstCase,
 }
 

@@ -339,8 +339,8 @@ impl<'h> TableNames<'h> {
         };
         let axes = ["x", "y", "z"].iter().map(|axis| column(&[axis])).collect::<Option<Vec<_>>>();
         let places = axes.or_else(|| column(&[]).map(|k| vec![k]))?;
-        // The GUM writes a standard uncertainty as u, and an expanded uncertainty (two standard deviations) as
-        // U. An uncertainty in words is usually the expanded uncertainty of a certificate.
+        // The GUM writes a standard uncertainty as u, and an expanded uncertainty (two standard deviations)
+        // as U. An uncertainty in words is usually the expanded uncertainty of a certificate.
         let word = self.words[places[0]].uncertain.as_deref()?;
         let is_error = ["error", "err", "dev", "residual", "rms"].contains(&word);
         let is_standard = word == "u" && self.header[places[0]].contains('u');

@@ -124,7 +124,8 @@ impl ArmModel<'_> {
         let poses = joint_poses(self.axes);
         let directions = directions(self.axes);
         let mut mount = first_frame(&directions[0], &poses[0].translation);
-        // The axes of a SCARA are parallel. Their frames then lie at the height of the arm, not of the base link.
+        // The axes of a SCARA are parallel. Their frames then lie at the height of the arm, not of the base
+        // link.
         if directions.get(1).is_some_and(|second| angle(&directions[0], second) <= parallel) {
             mount.translation = poses[0].translation;
         }

@@ -70,7 +70,8 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
 fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     match (&subject.found, is_found) {
         (_, true) => Vec::new(),
-        // The search states the reasons of the layout that is closest to feasible, not of the layout as drawn.
+        // The search states the reasons of the layout that is closest to feasible, not of the layout as
+        // drawn.
         (Some(found), false) => found
             .reasons
             .iter()

@@ -7,7 +7,8 @@ use crate::files::shown;
 use crate::record::MeasuringPlanDocument;
 use std::fmt::Write;
 
-/// Returns the poses of a plan (without passive joints) and the expected error before and after the measurement.
+/// Returns the poses of a plan (without passive joints) and the expected error before and after the
+/// measurement.
 pub fn measuring_plan(robot: &Robot, document: &MeasuringPlanDocument) -> String {
     let (expected, tried) = (&document.expected, &document.tried);
     let mut out = format!(

@@ -877,7 +877,7 @@ fn compare_refuses_layouts_of_another_question() {
         ("sense", "sense xy", "sense z"),
         ("grid", "grid 10 by 8", "grid 10 by 9"),
         ("weight", "weight 1", "weight 2"),
-        ("objective", "is sum", "second max"),
+        ("objective", "first is sum", "second is max"),
         ("operation", "picking", "packing"),
     ];
     for (name, one, other) in why {

@@ -113,7 +113,7 @@ fn warnings_of_an_import_come_once_and_grouped() {
     assert_eq!(ran.err.matches("6 angles are rounded right angles").count(), 1, "{}", ran.err);
     assert_eq!(ran.err.matches("continuous joint").count(), 1, "{}", ran.err);
     assert!(ran.err.contains("(and 1 more of this kind)"), "{}", ran.err);
-    assert!(ran.err.contains("stand still and have no solids: left, right"), "{}", ran.err);
+    assert!(ran.err.contains("they stand still, and their links have no solids: left, right"), "{}", ran.err);
     // If a cell names the original URDF, only `check` prints the warnings.
     std::fs::copy(shop.path(URDF), shop.path("ws/own_arm/urdf/arm-cell/robots/arm.urdf")).unwrap();
     let named = ["--package", "own_arm=ws/own_arm"];

@@ -309,8 +309,8 @@ fn continued(worker: &RunOutput) -> u64 {
     count.split(' ').next().unwrap().parse().unwrap()
 }
 
-/// Kills a worker after the first checkpoint of its combination, which the worker writes after 2 s. Returns the
-/// folder, and a number of layouts of which at most a third are done.
+/// Kills a worker after the first checkpoint of its combination, which the worker writes after 2 s. Returns
+/// the folder, and a number of layouts of which at most a third are done.
 fn killed_after_checkpoint() -> (Sandbox, u64) {
     let mut budget = 150_000;
     loop {
@@ -388,7 +388,7 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
     shop.write(FIRST_CHECKPOINT, &resealed(&text.replacen(hash, "7", 1)));
     let ran = shop.done(&["sweep", "--claim", "shared"]);
     assert!(
-        ran.err.contains("begins again") && ran.err.contains("does not reproduce the steps"),
+        ran.err.contains("begins again") && ran.err.contains("cannot reproduce the search"),
         "{}",
         ran.err
     );

@@ -174,8 +174,8 @@ fn the_nonlinear_worst_case_agrees_with_every_corner() {
     }
 }
 
-/// No flip of one or two signs at the worst corner increases the error, if it changes the linear error by less
-/// than 1 %. Small linear effects and large rotations make products of errors matter.
+/// No flip of one or two signs at the worst corner increases the error, if it changes the linear error by
+/// less than 1 %. Small linear effects and large rotations make products of errors matter.
 #[test]
 fn no_two_flips_increase_the_worst_case_of_many_sources() {
     let mut rng = ChaCha8Rng::seed_from_u64(51);
