@@ -8,6 +8,7 @@
 //! | `pooled` | How large are the errors after a fit to all four series? |
 //! | `rank` | Does the error map find the accurate spots? |
 //! | `plan` | Are chosen poses more informative than random poses? |
+//! | `simulated` | How large is the coverage for arms that follow the assumptions of the fit exactly? |
 //! | `speed` | How long does a fit take? |
 //!
 //! Poses are drawn at random with the seeds 1 to 20, or 1 to 5 if a fit is slow. Medians over the seeds
@@ -17,6 +18,9 @@
 
 use flate2::read::GzDecoder;
 use nalgebra::Vector3;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
@@ -88,7 +92,8 @@ impl Data {
         self.fitted(&sessions.iter().map(session).collect::<Vec<_>>(), terms)
     }
 
-    fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
+    /// Returns the unknowns of a fit and their prior standard deviations.
+    fn unknowns(&self, terms: Terms) -> (Vec<Unknown>, Vec<f64>) {
         let mut unknowns = unknowns(&self.chain, terms.is_elastic);
         let mut priors: Vec<_> =
             unknowns.iter().map(|u: &Unknown| u.default_prior(&self.chain) * terms.prior_factor).collect();
@@ -96,6 +101,11 @@ impl Data {
             unknowns.extend(harmonics(&self.chain, terms.orders));
             priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior(&self.chain)));
         }
+        (unknowns, priors)
+    }
+
+    fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
+        let (unknowns, priors) = self.unknowns(terms);
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
@@ -325,6 +335,92 @@ fn plan(data: &Data) {
     }
 }
 
+/// Number of simulated arms.
+const ARMS: u64 = 40;
+/// Number of draws of poses for each simulated arm. The coverage of an arm is the median over its draws.
+const DRAWS: u64 = 3;
+/// Standard deviation of the independent errors of a simulated position per axis, m. The positions of the real
+/// arm differ by about as much from a fit to all four series.
+const SIMULATED_NOISE: f64 = 6e-5;
+/// Largest number of positions of a simulated series.
+const POSES_OF_SIMULATED_SERIES: usize = 1000;
+/// Coverages that the goal allows, percent.
+const ALLOWED: std::ops::RangeInclusive<f64> = 93.0..=97.0;
+
+/// Returns a number drawn from the standard normal distribution (Box and Muller, 1958).
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
+}
+
+impl Data {
+    /// Returns an arm at the postures of the real series. Its errors are drawn from the distributions that a
+    /// fit with `terms` assumes: rows, elastic terms, harmonics and independent errors of the positions.
+    fn simulated(&self, terms: Terms, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (unknowns, priors) = self.unknowns(terms);
+        let truth: Vec<_> = priors.iter().map(|prior| prior * normal(&mut rng)).collect();
+        let mut measured = |m: &MeasuredPosition| {
+            let interface = Deformed::new(&self.chain, &m.joints, &unknowns, &truth).interface;
+            let noise = Vector3::from_fn(|_, _| SIMULATED_NOISE * normal(&mut rng));
+            let position = interface.transform(&self.chain.tool.translation) + noise;
+            MeasuredPosition { position, sigma: None, ..*m }
+        };
+        let series = self
+            .series
+            .iter()
+            .map(|series| drawn(series, POSES_OF_SIMULATED_SERIES, seed).iter().map(&mut measured).collect());
+        Self { series: series.collect(), chain: self.chain.clone(), spots: self.spots.clone() }
+    }
+
+    /// Returns the share (percent) of positions inside the 95 % ellipsoids, for every series except `from`.
+    /// The calibration uses `count` positions of the series `from`.
+    fn coverage(&self, from: usize, count: usize, terms: Terms) -> Vec<f64> {
+        let results: Vec<_> =
+            (1..=DRAWS).map(|seed| self.calibrated(&[(from, count)], seed, terms)).collect();
+        let others = (0..SERIES.len()).filter(|other| *other != from);
+        let share = |result: &Calibration, other: usize| {
+            result.tested(&self.series[other]).expect("a test").1 * 100.0
+        };
+        others.map(|other| median(&results.iter().map(|r| share(r, other)).collect::<Vec<_>>())).collect()
+    }
+}
+
+/// Prints the coverage for simulated arms whose errors have exactly the distributions that the fit assumes.
+fn simulated(data: &Data) {
+    println!(
+        "\nsimulated: share in the 95 % ellipsoid in %, median of {ARMS} arms (5 % to 95 % quantile), share \
+         of arms with {} to {} %",
+        ALLOWED.start(),
+        ALLOWED.end()
+    );
+    for count in [300, 50] {
+        let of_arm = |arm: u64| -> Vec<Vec<f64>> {
+            let simulated = data.simulated(HARMONICS, arm);
+            (0..SERIES.len()).map(|from| simulated.coverage(from, count, HARMONICS)).collect()
+        };
+        let arms: Vec<_> = (1..=ARMS).into_par_iter().map(of_arm).collect();
+        let share_of_arms = |is_allowed: &dyn Fn(&Vec<Vec<f64>>) -> bool| {
+            arms.iter().filter(|arm| is_allowed(arm)).count() as f64 / ARMS as f64 * 100.0
+        };
+        for from in [2, 1, 0, 3] {
+            print!("{:<10}", format!("{count} of {}", SERIES[from]));
+            for (k, other) in (0..SERIES.len()).filter(|other| *other != from).enumerate() {
+                let shares: Vec<_> = arms.iter().map(|arm| arm[from][k]).collect();
+                let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| quantile(&shares, share));
+                let allowed = share_of_arms(&|arm| ALLOWED.contains(&arm[from][k]));
+                print!("  {}: {middle:.1} ({low:.1}-{high:.1}) {allowed:.0} %", SERIES[other]);
+            }
+            println!();
+        }
+        let all = share_of_arms(&|arm| arm.iter().flatten().all(|share| ALLOWED.contains(share)));
+        let mean = mean(&arms.iter().flatten().flatten().copied().collect::<Vec<_>>());
+        println!(
+            "{count} of each: mean share {mean:.1} %; all twelve shares allowed: {all:.0} % of the arms"
+        );
+    }
+}
+
 /// Prints the median time, s, of a fit of 1000 poses of series C.
 fn speed(data: &Data) {
     println!("\nspeed: fit of 1000 poses with cross-validation");
@@ -343,12 +439,13 @@ fn speed(data: &Data) {
 fn main() {
     let data = Data::new();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let studies: [(&str, Study); 6] = [
+    let studies: [(&str, Study); 7] = [
         ("transfer", transfer),
         ("terms", terms),
         ("pooled", pooled),
         ("rank", rank),
         ("plan", plan),
+        ("simulated", simulated),
         ("speed", speed),
     ];
     for (name, study) in studies {

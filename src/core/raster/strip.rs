@@ -44,6 +44,16 @@ impl LegendSign {
     }
 }
 
+/// Scale bar that states the length of the arrows.
+pub struct ArrowScale {
+    /// Length of the bar, m in the world.
+    pub length: f64,
+    /// What the arrows show, and their factor.
+    pub heading: String,
+    /// Error that the bar represents.
+    pub error: String,
+}
+
 /// Content of the title and the legend.
 pub struct LegendTexts {
     pub title: String,
@@ -51,9 +61,8 @@ pub struct LegendTexts {
     /// Texts of the colour scale (heading, least value and greatest value); None if the picture has no colour
     /// scale.
     pub colours: Option<[String; 3]>,
-    /// Scale bar of the arrows, with its length (m in the world) and its text; None if the picture has no
-    /// arrows.
-    pub arrows: Option<(f64, String)>,
+    /// Scale bar of the arrows; None if the picture has no arrows.
+    pub arrows: Option<ArrowScale>,
     pub signs: Vec<LegendSign>,
 }
 
@@ -90,11 +99,10 @@ impl LegendTexts {
             Show::InPlane => "error in x and y".into(),
             Show::Nothing | Show::Resultant => "error".into(),
         };
-        let arrows = (is_map && colours.is_some()).then(|| {
-            (
-                error * enlarged,
-                format!("{what}: arrows enlarged {enlarged} times; the bar is {} mm", mm_from_m(error)),
-            )
+        let arrows = (is_map && colours.is_some()).then(|| ArrowScale {
+            length: error * enlarged,
+            heading: format!("{what}: arrows enlarged {enlarged} times"),
+            error: format!("{} mm", mm_from_m(error)),
         });
         Self { title: shown(&cell.name), line, colours, arrows, signs: signs(drawing, shot) }
     }
@@ -167,9 +175,13 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
             LegendItem::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
         }));
     }
-    if let Some((length, said)) = &words.arrows {
-        items.push(text(said, second, top + 2.0));
-        let (left, right) = (second, second + length * stage.camera.scale / unit);
+    if let Some(arrows) = &words.arrows {
+        // A heading that is too wide for its column becomes smaller.
+        let size = unit * ((third - second - 1.0) / font::width(&arrows.heading, 1.0)).min(1.0);
+        let heading = arrows.heading.clone();
+        items.push(LegendItem::Text(heading, at(second, top + 2.0), size, palette.text));
+        items.push(text(&arrows.error, second, top + 6.4));
+        let (left, right) = (second, second + arrows.length * stage.camera.scale / unit);
         let lines = [[(left, 3.8), (right, 3.8)], [(left, 3.2), (left, 4.4)], [(right, 3.2), (right, 4.4)]];
         let line = |l: [(f64, f64); 2]| {
             LegendItem::Line(l.map(|(x, y)| at(x, top + y)).to_vec(), 0.18 * unit, palette.text)

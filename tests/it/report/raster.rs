@@ -225,6 +225,42 @@ fn an_svg_is_well_formed_whatever_the_names() {
     });
 }
 
+/// Texts on one line of the legend do not overlap, and the last text ends inside the picture. A text of the SVG
+/// is as wide as in the stroke font.
+#[test]
+fn texts_of_a_legend_do_not_overlap() {
+    for name in ["panda_cell.toml", "drilling_cell.toml"] {
+        drawn(loaded(name), |drawing| {
+            for (width, show) in
+                [(500, Show::Resultant), (600, Show::X), (600, Show::InPlane), (1600, Show::Z)]
+            {
+                let shot = Shot { width, height: width * 5 / 8, show, labels: false, ..Shot::default() };
+                let svg = isometric(drawing, &shot).unwrap();
+                let document = roxmltree::Document::parse(&svg).unwrap();
+                let number =
+                    |n: &roxmltree::Node<'_, '_>, key| n.attribute(key).unwrap().parse::<f64>().unwrap();
+                let all = document.descendants().filter(|n| n.has_tag_name("text"));
+                let texts: Vec<_> = all
+                    .map(|n| {
+                        let (left, size) = (number(&n, "x"), number(&n, "font-size"));
+                        (number(&n, "y"), left, left + font::width(n.text().unwrap(), size / 1.38))
+                    })
+                    .collect();
+                assert!(texts.len() >= 6, "{name} {show:?}: {texts:?}");
+                assert!(
+                    texts.iter().all(|(_, _, right)| *right <= width as f64),
+                    "{name} {show:?}: {texts:?}"
+                );
+                for (k, (y, left, right)) in texts.iter().enumerate() {
+                    let beside = texts[k + 1..].iter().filter(|other| (other.0 - y).abs() < 3.0);
+                    let overlaps = |other: &&(f64, f64, f64)| *left < other.2 && other.1 < *right;
+                    assert_eq!(beside.filter(overlaps).count(), 0, "{name} {show:?}: {texts:?}");
+                }
+            }
+        });
+    }
+}
+
 /// The pictures also show a table out of reach and a cell without operations.
 #[test]
 fn a_drawing_without_errors_is_rendered() {
