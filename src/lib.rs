@@ -85,8 +85,8 @@
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, unreachable orientation, not converged and collision are distinct results. A
-//!   joint limit names the joint, and a collision names the solids.
+//! - Out of reach, joint limit, unreachable orientation, not converged and collision are distinct results.
+//!   The result "joint limit" names the joint, and the result "collision" names the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.

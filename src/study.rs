@@ -1,4 +1,4 @@
-//! Stable entry to the library: load a cell, set keys, evaluate and search.
+//! Stable entry point of the library: load a cell, set keys, evaluate and search.
 //!
 //! A [`Study`] consists of a cell file, all files that the cell file refers to, and settings that override
 //! keys as `--set` does. A study never changes: [`Study::set`] returns another study. Results are the
@@ -160,7 +160,7 @@ impl Study {
         Ok(Self { origin, settings, loaded })
     }
 
-    /// Returns a copy of this study with another value of a key. The key is a dotted path as in TOML. The
+    /// Returns a copy of this study with a new value for one key. The key is a dotted path as in TOML. The
     /// name `"*"` in the path stands for every name of a table, as in `operation."*".limit_mm`. Lengths are
     /// in mm, angles in degrees.
     ///
@@ -170,7 +170,7 @@ impl Study {
         self.set_all([(key, value.into())])
     }
 
-    /// Returns a copy of this study with other values of several keys. The keys are set together, so the
+    /// Returns a copy of this study with new values for several keys. The keys are set together, so the
     /// values need to be valid only in combination.
     ///
     /// # Errors

@@ -39,10 +39,10 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(
-        "`{command}` does not accept --set: it writes layout files, and these cannot state a key that --set changes"
+        "`{command}` does not accept --set: it writes layout files, which cannot record the changes of --set"
     ));
     output::talk(&format!(
-        "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
+        "  help: write a cell file with the two lines `from = \"CELL.toml\"` and `{}`, or run sweetspot sweep",
         shown(&set.line())
     ));
     Err(Exit::BadInput)

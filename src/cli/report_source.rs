@@ -70,7 +70,11 @@ fn of_cell(of: &Path, packages: &PackageFolders, question: &QuestionFlags) -> Re
         seed: loaded.cell.search.seed,
         inputs: loaded.sources.iter().map(hashed).collect(),
         outputs: Vec::new(),
-        csv: format!("the map.csv of sweetspot map {}{} --out DIR", path_word(of), question.words()),
+        csv: format!(
+            "the file map.csv, which this command writes: sweetspot map {}{} --out DIR",
+            path_word(of),
+            question.words()
+        ),
         source: of.to_string_lossy().into_owned(),
         is_complete: true,
     };

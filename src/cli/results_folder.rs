@@ -101,7 +101,7 @@ fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
     }
     if !folder.join(loading::CHECKPOINT).is_file() {
         output::error(&format!("{} holds no manifest.json and no checkpoint", path_word(folder)));
-        output::talk("  help: name a cell file, or a folder that sweetspot search has written");
+        output::talk("  help: give a cell file, or a folder that sweetspot search has written");
         return Err(Exit::BadInput);
     }
     let (request, inputs) = checkpoint::begun(folder)?;

@@ -51,7 +51,9 @@ pub fn write_script(folder: &Path, options: ArrayOptions<'_>, anew: bool) -> Res
         Ok(kept) if !anew => {
             if kept != script {
                 let path = path_word(&path);
-                output::talk(&format!("note: {path} is kept; to write it anew from the options, remove it"));
+                output::talk(&format!(
+                    "note: {path} is kept; remove it to have it written again from the options"
+                ));
             }
             Ok(kept)
         }

@@ -62,7 +62,7 @@ fn read_again(file: &Path, packages: &PackageFolders) -> Result<Workcell, Exit> 
 fn refused(file: &Path, why: &str) -> Exit {
     output::error(&format!("{} is not the layout that the search found: {}", path_word(file), shown(why)));
     output::talk(
-        "  help: the files of the folder changed during the search, or its disk is faulty: search again",
+        "  help: files in the folder changed during the search, or the disk is faulty: search again",
     );
     let _ = std::fs::remove_file(file);
     Exit::Io

@@ -14,8 +14,8 @@ pub type LatticeVertex = (i32, i32);
 /// Edge of the lattice that the contour crosses; the first vertex is inside, and the second is outside.
 pub type CrossedEdge = (LatticeVertex, LatticeVertex);
 
-/// Returns every closed contour that crosses at least one of the edges `starts`. Each contour is the list of
-/// its crossed edges, with the inside on the left.
+/// Returns every closed contour that crosses at least one of the edges in `starts`. Each contour is the list
+/// of its crossed edges, with the inside on the left.
 pub fn contours(
     starts: impl IntoIterator<Item = CrossedEdge>,
     mut is_inside: impl FnMut(LatticeVertex) -> bool,
@@ -51,8 +51,8 @@ fn follow(start: CrossedEdge, is_inside: &mut impl FnMut(LatticeVertex) -> bool)
     }
 }
 
-/// Brackets the contour between a point inside and a point outside by `steps` bisections. Returns the last
-/// tested points inside and outside.
+/// Brackets the contour between a point inside and a point outside, using `steps` bisections. Returns the
+/// final pair of points: inside and outside.
 pub fn bisected(
     (mut inside, mut outside): (PlanePoint, PlanePoint),
     steps: usize,
@@ -65,7 +65,7 @@ pub fn bisected(
     (inside, outside)
 }
 
-/// Returns the middle of two points.
+/// Returns the midpoint of two points.
 pub fn middle(a: PlanePoint, b: PlanePoint) -> PlanePoint {
     ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
 }

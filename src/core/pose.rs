@@ -25,7 +25,7 @@ impl Pose {
         Self::IDENTITY
     }
 
-    /// Returns the pose of a translation (m) and of roll, pitch, yaw (rad) about the fixed x, y, z axes.
+    /// Returns the pose with a translation (m) and with roll, pitch, yaw (rad) about the fixed x, y, z axes.
     ///
     /// This is the order of URDF: `R = Rz(yaw) Ry(pitch) Rx(roll)`.
     pub fn from_translation_rpy(translation: Vector3<f64>, rpy: Vector3<f64>) -> Self {
@@ -33,7 +33,8 @@ impl Pose {
         Self { rotation, translation }
     }
 
-    /// Returns roll, pitch and yaw (rad), from which [`Self::from_translation_rpy`] makes the rotation.
+    /// Returns roll, pitch and yaw (rad). From these angles, [`Self::from_translation_rpy`] makes the same
+    /// rotation.
     ///
     /// The result is accurate for every rotation. At a pitch of +-90 degrees (gimbal lock), only the sum or
     /// the difference of roll and yaw is defined. One of the equivalent triples is then returned.
@@ -62,7 +63,7 @@ impl Pose {
         SmallRotation { w, v: Vector3::new(x, y, z) }.vector()
     }
 
-    /// Returns the pose of a translation (m) and a rotation about z by `yaw` (rad).
+    /// Returns the pose with a translation (m) and a rotation about z by `yaw` (rad).
     pub fn from_translation_yaw(translation: Vector3<f64>, yaw: f64) -> Self {
         let (s, c) = yaw.sin_cos();
         let rotation = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
@@ -102,7 +103,7 @@ impl Displacement {
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the motion for another reference point, without approximation.
+    /// Returns this motion, described by the displacement of another reference point, without approximation.
     ///
     /// The vector `arm` (m) leads from the reference point of `self` to the other point.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
@@ -112,7 +113,7 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns the motion for another reference point, to first order.
+    /// Returns this motion, described by the displacement of another reference point, to first order.
     ///
     /// The vector `arm` (m) leads from the reference point of `self` to the other point. The displacement of
     /// the other point is `p + w x arm`, where p is `position` and w is `rotation`.
@@ -123,15 +124,16 @@ impl Displacement {
     /// Returns the motion `self` followed by the motion `next`.
     ///
     /// The reference points of `self`, `next` and the result lie at one place, which does not move. The field
-    /// `position` of each motion is the displacement of the point that is at this place before the motion.
+    /// `position` of each motion is the displacement of the point that is at this place before that motion.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
         Self { position: self.position + turn.moved(&self.position) + next.position, rotation }
     }
 
-    /// Returns the motion that undoes `self`. For both motions, `position` is the displacement of the point
-    /// that is at the same fixed place before the motion.
+    /// Returns the motion that undoes `self`. The reference points of both motions lie at one place, which
+    /// does not move. The field `position` of each motion is the displacement of the point that is at this
+    /// place before that motion.
     pub fn inverse(&self) -> Self {
         let turn = SmallRotation::of(&-self.rotation);
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }

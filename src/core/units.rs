@@ -1,7 +1,7 @@
 //! Unit conversion between files or reports (mm, degrees) and the crate (m, rad).
 //!
-//! No other module converts units. Inside the crate every length is in m and every angle in rad. A name that
-//! carries a unit (`x_mm`, `yaw_deg`) holds a value of a file or a report.
+//! No other module converts units. Inside the crate every length is in m and every angle in rad. A variable
+//! with a unit in its name (`x_mm`, `yaw_deg`) holds a value of a file or a report.
 
 /// Length of an inch, m.
 pub const INCH: f64 = 0.0254;

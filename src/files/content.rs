@@ -92,7 +92,7 @@ impl FileContent {
     /// Returns a help text that states what the user can do with the file at `path`. The path must already be
     /// quoted for a shell.
     pub fn next_step(self, path: &str) -> String {
-        let mesh = "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
+        let mesh = "use the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
         match self {
             Self::Urdf | Self::Xacro => format!("write a cell for it: sweetspot init {path}"),
             Self::Collada | Self::Step => format!("convert it: {}; then {mesh}", conversion(path)),
@@ -101,7 +101,7 @@ impl FileContent {
             }
             Self::Stl | Self::Obj => mesh.into(),
             Self::Dxf => {
-                "for a floor plan, name it in an obstacle: plan = { file = \"NAME.dxf\", layers = [\"LAYER\"], height_mm = 3000 }".into()
+                "to use it as a floor plan, add this key to an obstacle: plan = { file = \"NAME.dxf\", layers = [\"LAYER\"], height_mm = 3000 }".into()
             }
             Self::Json => "give the cell file, or the result folder: sweetspot report FOLDER".into(),
             Self::Yaml => format!("for a Universal Robots calibration: sweetspot calibrate ROBOT {path}"),

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Severity of a fault: an error makes the file invalid, a warning does not.
+/// Severity of a fault. An error makes the file invalid; a warning does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -23,7 +23,7 @@ pub enum FaultKind {
     Content,
     /// The cell or robot file itself cannot be read.
     Unreadable,
-    /// The file that was given as the cell or robot file has another kind, as its content shows.
+    /// The content of the file given as the cell or robot file shows that this file is of another kind.
     Foreign(FileContent),
     /// Warning from the import of a URDF. Only a few commands print this warning, because it stays the same
     /// until the URDF changes.
@@ -32,8 +32,8 @@ pub enum FaultKind {
 
 /// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
 ///
-/// A setting on the command line has no position in a file. In a fault of such a setting, `file` is the
-/// setting as typed, and line and column are zero.
+/// A setting on the command line has no position in a file. If the fault is in such a setting, `file` holds
+/// the setting as typed, and line and column are zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,
@@ -78,8 +78,8 @@ impl Fault {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
-    /// Returns the error for a file of another kind that was given as the cell or robot file. The help text
-    /// of the error states what the user can do with the file.
+    /// Returns the error for the case that the file given as the cell or robot file is of another kind. The
+    /// help text of the error states what the user can do with the file.
     pub fn foreign(path: &str, content: FileContent, needed: &str) -> Self {
         let fault = Self::of_file(path, not_needed(path, content, needed), content.next_step(&shown(path)));
         Self { kind: FaultKind::Foreign(content), ..fault }
@@ -145,8 +145,8 @@ const MAX_CANDIDATES: usize = 100;
 
 /// Returns the candidate nearest to a mistyped `word`; None if no candidate is near enough to suggest.
 ///
-/// A candidate is near if it differs by a few letters. A candidate is also near if it names the same quantity
-/// in another unit or without a unit (`x_m` or `x` for `x_mm`).
+/// A candidate is near if it differs from `word` by only a few letters. A candidate is also near if it names
+/// the same quantity in another unit or without a unit (`x_m` or `x` for `x_mm`).
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);

@@ -34,7 +34,7 @@ const MAX_LINES: usize = 1000;
 /// Largest number of faults listed for one file.
 const MAX_FAULTS: usize = 20;
 
-/// Reads `kinematics:` of the YAML that the driver of Universal Robots writes.
+/// Reads the entry `kinematics:` of the YAML file that the driver of Universal Robots writes.
 ///
 /// The reader supports only what the driver writes: maps of maps of numbers, without lists, anchors or tags.
 ///

@@ -152,7 +152,7 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Tightest permitted tolerances, one for each parameter whose error increases `least`. The list is
+    /// Tightest permitted tolerances: one for each parameter whose error makes `least` larger. The list is
     /// sorted by `without`, the least value first.
     pub in_the_way: Vec<BoundEntry>,
 }

@@ -71,7 +71,7 @@ pub struct OperationBudget {
     pub linear_rms: Option<f64>,
 }
 
-/// Error figures of a posture, for the component of the error that counts for the operation (its sense).
+/// Error figures of a posture, for the component of the error that matters for the operation (its sense).
 /// Worst case and statistics are null in the signed reading if the errors of the sample compensate each
 /// other. The program assumes such compensation if the error of a Denavit-Hartenberg length (r or l) exceeds
 /// the reach of the arm.
@@ -116,8 +116,8 @@ pub struct ShareEntry {
 
 /// Gain from halving the tolerances of the parameters in `halved`.
 ///
-/// In the statistical reading, `of` and `to` are the first-order quantity before and after the halving. In
-/// any other reading, `of` and `to` are the worst case before and after the halving.
+/// In the statistical reading, the fields `of` and `to` hold the first-order quantity before and after the
+/// halving. In any other reading, they hold the worst case before and after the halving.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TightenEntry {

@@ -25,8 +25,8 @@ pub struct CalibrationDocument {
     pub robot: String,
     /// Files from which the parameters are identified.
     pub sessions: Vec<CalibratedFile>,
-    /// Files with which the parameters are tested, but not identified. Base and reflectors are fitted to each
-    /// file.
+    /// Files that test the parameters, but do not serve to identify them. Base and reflectors are fitted to
+    /// each file.
     pub tests: Vec<TestedFile>,
     /// Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do
     /// not allow such a fit.
@@ -54,7 +54,7 @@ pub struct CalibrationDocument {
 pub struct MisfitEntry {
     /// Standard deviation of the error of every joint: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Standard deviation, along each axis, of the unexplained position error that no joint causes, mm.
+    /// Standard deviation per axis of the unexplained position error that no joint causes, mm.
     pub position_mm: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct MisfitEntry {
 pub struct OutlierRow {
     /// Line of the file, counted from 1.
     pub row: usize,
-    /// Distance of the measured from the predicted position, mm.
+    /// Distance between the measured and the predicted position, mm.
     pub distance_mm: f64,
 }
 
@@ -85,7 +85,7 @@ pub struct CalibratedFile {
     pub outliers: Vec<OutlierRow>,
 }
 
-/// File of measured positions with which the parameters are tested, but not identified.
+/// File of measured positions that serve to test the parameters, but not to identify them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestedFile {
@@ -157,8 +157,8 @@ impl CalibratedFile {
 }
 
 impl TestedFile {
-    /// Makes the entry of a session with which the parameters are tested, but not identified. Returns None if
-    /// the session is empty or does not determine base and reflectors.
+    /// Makes the entry of a session that tests the parameters, but does not serve to identify them. Returns
+    /// None if the session is empty or does not determine base and reflectors.
     pub fn new(chain: &Chain, session: &MeasuringSession, calibration: &Calibration) -> Option<Self> {
         let (fitted, coverage_95) = calibration.tested(&session.measured)?;
         Some(Self {
@@ -198,7 +198,7 @@ pub struct HarmonicsEntry {
     pub joint: String,
     /// Prior standard deviation of the coefficients of the highest order. The fit estimates this value
     /// together with the coefficients. All orders above 4 have equal prior standard deviations. The orders 1
-    /// to 4 have twice this prior standard deviation.
+    /// to 4 have twice the prior standard deviation of the higher orders.
     pub prior_deg: f64,
     /// Root mean square of the identified error over one revolution of the joint.
     pub rms_deg: f64,

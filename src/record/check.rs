@@ -49,7 +49,7 @@ pub struct OperationOrderEntry {
     pub why: Option<String>,
     /// Reason why no value field can be computed for the operation; null if one can be computed. A value
     /// field is a table of lower bounds of the operation's value at a node. The bounds hold in every layout,
-    /// and a search excludes nodes by them.
+    /// and a search uses them to exclude nodes.
     #[serde(default)]
     pub why_no_field: Option<String>,
 }

@@ -38,7 +38,7 @@ pub struct CommandedJoint {
     pub passive: bool,
 }
 
-/// Whether a target is corrected, or why not.
+/// Whether a target is corrected, and if not, why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CorrectionState {

@@ -38,7 +38,8 @@ pub struct ErrorsDocument {
     pub wanted_rp_mm: Option<f64>,
     /// Factor that multiplies the tolerances of the preset or of the robot's error set.
     pub scale: f64,
-    /// Number of iterations in which the program finds `scale`. Each iteration predicts the accuracy once.
+    /// Number of iterations that the program needs to find `scale`. Each iteration predicts the accuracy
+    /// once.
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
@@ -83,7 +84,7 @@ pub struct AccuracyQuantiles {
     pub p5_mm: f64,
     /// 95th percentile: 95 % of the robots are better.
     pub p95_mm: f64,
-    /// Median, over all robots, of each robot's AP at its worst pose.
+    /// Median over all robots of the AP that each robot has at its worst pose.
     pub worst_pose_mm: f64,
 }
 
@@ -110,7 +111,7 @@ pub struct TestPoseEntry {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Median, over all simulated robots, of the pose accuracy AP at this pose.
+    /// Median of the pose accuracy AP of all simulated robots at this pose.
     pub ap_mm: f64,
 }
 

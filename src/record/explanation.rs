@@ -92,7 +92,7 @@ pub struct ExplanationDocument {
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
-    /// Value of the figure that `quantity` names, in `unit`.
+    /// Value of the figure named in `quantity`; its unit is given in `unit`.
     pub value: f64,
     pub unit: Unit,
 }

@@ -134,8 +134,8 @@ pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     }
 }
 
-/// Returns the file name of the alternative layout with the rank `place`, counted from 0, among `count`
-/// layouts.
+/// Returns the file name of one of `count` alternative layouts. The rank of this layout is `place`, counted
+/// from 0.
 pub fn file_name(place: usize, count: usize) -> String {
     let digits = count.to_string().len().max(2);
     format!("layout-{:0digits$}.toml", place + 1)

@@ -31,15 +31,15 @@ pub struct ManifestDocument {
     /// reproduce the cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<Vec<Setting>>,
-    /// Settings of the run after flags, cell file and defaults were merged.
+    /// Settings that result when flags, cell file and defaults are merged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resolved: Option<ResolvedSettings>,
     /// Files that were read, the cell file first.
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
-    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
-    /// to the text when it writes the manifest.
+    /// Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to
+    /// the text when it writes the manifest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }

@@ -80,7 +80,7 @@ pub struct JointEntry {
     pub unit: Unit,
 }
 
-/// Sense: component of the error that counts, with its unit.
+/// Sense: the error component that matters to an operation, with its unit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SenseEntry {
@@ -251,7 +251,7 @@ pub struct GuardEntry {
     pub trusted: bool,
 }
 
-/// Usable nodes at which a joint is outside the range that the calibration of the robot measured.
+/// Usable nodes at which a joint is outside the range that the measurements for the calibration cover.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrapolatedEntry {
@@ -299,7 +299,7 @@ impl GuardEntry {
     }
 }
 
-/// Check of the first-order figures at a spot with Monte Carlo samples of the nonlinear model. RMS, mean and
+/// Monte Carlo check of the first-order figures at a spot. The samples use the nonlinear model. RMS, mean and
 /// percentiles are in the unit of the sense.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -315,8 +315,8 @@ pub struct MonteCarloEntry {
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures. If the samples contradict the first-order
     /// figures, the figures of the samples replace them. The value and the margin of the operation then also
-    /// come from the samples. The value remains first-order if the search is robust, or if the value combines
-    /// several nodes.
+    /// come from the samples. However, the value remains a first-order figure if the search is robust, or if
+    /// the value combines several nodes.
     pub first_order_holds: Option<bool>,
 }
 

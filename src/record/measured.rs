@@ -29,18 +29,18 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// These ellipsoids assume that the random errors of a robot are equal at all poses. The fit of base and
-    /// reflectors absorbs a part of the random errors.
+    /// These ellipsoids assume that the random parameter errors of a robot have the same values at all poses.
+    /// The fit of base and reflectors absorbs a part of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside a second set of 95 % ellipsoids. These ellipsoids assume that the random
-    /// errors change from pose to pose, as the misfit of a calibration does. Null unless the error set of the
-    /// robot comes from measurements.
+    /// parameter errors change from pose to pose, as the misfit of a calibration does. Null unless the error
+    /// set of the robot comes from measurements.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
     /// measured sizes are equal.
     pub rank_correlation: Option<f64>,
     pub spots: SpotRankingEntry,
-    /// Accuracy and repeatability of postures that were visited several times; null without such a
+    /// Accuracy and repeatability of postures that were visited several times; null if there is no such
     /// posture.
     pub repeats: Option<RepeatsEntry>,
     pub positions: Vec<ComparedPosition>,
@@ -91,7 +91,7 @@ pub struct SpotRankingEntry {
     pub greatest_mm: f64,
 }
 
-/// Spot, a commanded position, with the errors of the poses there.
+/// Spot (a commanded position), with the errors of the poses at this position.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredSpotEntry {
@@ -113,7 +113,7 @@ pub struct RepeatsEntry {
     pub largest_ap_mm: f64,
     /// Largest pose repeatability of a posture.
     pub largest_rp_mm: f64,
-    /// Number of visits of the repeated posture with the fewest visits.
+    /// Number of visits to the repeated posture that was visited least often.
     pub least_visits: usize,
     /// Whether every repeated posture was visited as often as the standard demands.
     pub enough_visits: bool,
@@ -124,7 +124,7 @@ pub struct RepeatsEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatedPostureEntry {
-    /// Line of the file with the first visit, counted from 1.
+    /// Line number of the first visit in the file, counted from 1.
     pub row: usize,
     pub visits: usize,
     /// Position of the reflector for the nominal robot, in the base frame.

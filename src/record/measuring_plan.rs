@@ -46,9 +46,9 @@ pub struct PlannedPoseEntry {
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The expected errors assume a new measurement of the base frame, with the robot, after the calibration. The
-/// expected errors leave out the part that the new base frame removes. They also leave out errors that the
-/// unknowns of the calibration cannot explain.
+/// The expected errors assume that the base frame is measured again with the robot after the calibration.
+/// They leave out the part that the new base frame removes. They also leave out errors that the unknowns of
+/// the calibration cannot explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {
@@ -62,7 +62,7 @@ pub struct ExpectedEntry {
     /// over the joint space.
     pub evenly_spread_mm: f64,
     /// Assumed standard deviation, per axis, of one part of the errors that the unknowns do not explain. This
-    /// part is nearly equal at nearby poses.
+    /// part is nearly the same at nearby poses.
     pub shared_misfit_mm: f64,
     /// Assumed standard deviation, per axis, of the other part of the errors that the unknowns do not
     /// explain. This part is independent from pose to pose.

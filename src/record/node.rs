@@ -59,12 +59,12 @@ pub struct MapNode {
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
     /// Yield: share of arms whose error does not exceed the limit of the operation. The parameter errors of
-    /// the arms are random and follow the tolerances.
+    /// these arms are random, with distributions that follow from the error set.
     pub r#yield: Option<f64>,
 }
 
-/// Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent. Fields x, y and z
-/// compare the components; r compares the lengths of the two vectors.
+/// Discrepancy between linear and nonlinear error in percent, as defined by eq. (9) of the seed paper. Fields
+/// x, y and z compare the components; r compares the lengths of the two vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscrepancyEntry {

@@ -78,7 +78,7 @@ const ERROR_COLUMNS: [&str; 19] = [
 ];
 const REFINED_COLUMNS: [&str; 4] = ["refined_x_mm", "refined_y_mm", "refined_z_mm", "refined_value"];
 
-/// Nodes of all operations of a map, one row each. Positions are in the world frame, mm; angles are in
+/// Nodes of all operations of a map, one row per node. Positions are in the world frame, mm; angles are in
 /// degrees.
 pub struct NodeTable<'d> {
     document: &'d MapDocument<'d>,

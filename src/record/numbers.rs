@@ -66,7 +66,7 @@ pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
 /// A joint counts as near a limit if its distance from the limit is below this share of the travel.
 pub const NEAR_LIMIT: f64 = 0.05;
 
-/// Returns whether each joint is near one of its limits.
+/// Returns, for each joint, whether it is near one of its limits.
 pub fn near_limits(cell: &Cell, q: &JointVector) -> Vec<bool> {
     let near = |(joint, q): (&Joint, &f64)| {
         let (low, high) = joint.limits;

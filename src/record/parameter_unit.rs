@@ -49,7 +49,7 @@ impl ParameterUnit {
         if turns { Self::Angle } else { Self::Length }
     }
 
-    /// Returns the name of this unit as files and reports state it, for example `deg/m`.
+    /// Returns the name of this unit as it appears in files and reports, for example `deg/m`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Length => "mm",

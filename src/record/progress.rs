@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the schema of a [`ProgressLine`].
 pub const PROGRESS_SCHEMA: &str = "sweetspot/progress/1";
 
-/// Line of progress, which `search --progress json` prints on stderr once per second.
+/// Progress line that `search --progress json` prints on stderr once per second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProgressLine {

@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 pub struct RegionEntry {
     /// Name of the equipment, or `robot base`.
     pub equipment: String,
-    /// Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in
-    /// an odd number of rings. If the search moves the piece along one axis only, the only ring is a line of
-    /// two points. The list is empty if the search moves the piece along neither axis.
+    /// Closed rings of points (x, y) in plan, for the z and yaw of the layout. A point is inside if it lies
+    /// in an odd number of rings. If the search moves the piece along one axis only, the only ring is a line
+    /// of two points. The list is empty if the search moves the piece along neither axis.
     pub outline_mm: Vec<Vec<[f64; 2]>>,
     /// Width of a band along the outline. In this band, the result does not distinguish inside from outside.
     pub rim_mm: f64,
@@ -39,9 +39,9 @@ pub struct RegionEntry {
     pub ends_with: String,
 }
 
-/// Rotation of equipment, as one body, about the base axis: the vertical line through the origin of the robot
-/// base. Equipment rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only
-/// with its carrier.
+/// Rotation of equipment as one body about the base axis (the vertical line through the origin of the robot
+/// base). Equipment takes part in this rotation if the search varies its x, y and yaw over ranges. Carried
+/// equipment rotates only with its carrier.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
@@ -76,7 +76,7 @@ impl RegionEntry {
 
 impl TurnEntry {
     /// Returns the allowed rotation of the equipment about the base axis. Returns None if no regions were
-    /// computed. Also returns None if the equipment under an operation does not rotate.
+    /// computed. Also returns None if the equipment under an operation does not take part in this rotation.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
         let turn_deg = inward([*least, *most].map(degrees), 2);

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `compare --calibrated --json`.
 pub const REMEDIES_SCHEMA: &str = "sweetspot/remedies/1";
 
-/// Answer to the question whether to calibrate a measured robot, to move the equipment, or both.
+/// Answer to the question whether to calibrate a measured robot, to move the equipment, or to do both.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RemediesDocument {

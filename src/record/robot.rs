@@ -29,7 +29,7 @@ pub struct RobotsDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotEntry {
-    /// Name in the library, by which cell files refer to the robot.
+    /// Name in the library. Cell files use this name to refer to the robot.
     pub robot: String,
     pub name: String,
     pub axes: usize,

@@ -71,7 +71,8 @@ pub struct SearchResult {
     pub pareto: Option<Vec<Goal>>,
     /// Number of layouts to keep; null if the cell states none.
     pub keep: Option<usize>,
-    /// Whether every piece stands exactly at its placement, so that placement tolerances do not count.
+    /// Whether every piece is assumed to stand exactly at its placement, so that placement tolerances are
+    /// ignored.
     pub ideal: bool,
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
@@ -88,10 +89,10 @@ pub struct SearchResult {
     /// One region for each piece that the search places. The piece may stand anywhere in its region.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y
-    /// and yaw have ranges. At these angles, the objective grows by at most the percentage
-    /// `indifference_percent` of the cell file. Null if the layout is infeasible or misses a limit, or if
-    /// equipment under an operation does not rotate.
+    /// Angles by which equipment may rotate as one body about the base axis. Equipment takes part in this
+    /// rotation if its x, y and yaw have ranges. At these angles, the objective grows by at most the
+    /// percentage `indifference_percent` of the cell file. Null if the layout is infeasible or misses a
+    /// limit, or if equipment under an operation does not take part.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.
@@ -115,7 +116,8 @@ pub struct SearchResult {
     /// Improvements of the best layout during the search: the number of evaluations so far, and the objective
     /// in `unit`.
     pub trace: Vec<(u64, f64)>,
-    /// Searches with successive seeds that were merged into this result. Present for `search --islands`.
+    /// Searches that were merged into this result. Their seeds are consecutive numbers. Present for
+    /// `search --islands`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub islands: Option<Vec<IslandEntry>>,
     /// Duration of the search, s; left out in `search.json`.
@@ -129,7 +131,7 @@ pub struct SearchResult {
 pub struct IslandEntry {
     pub seed: u64,
     /// Whether this island found the best layout: the layout with the least objective. If several islands are
-    /// equally good, the first one counts.
+    /// equally good, the first of them counts as the best.
     pub is_best: bool,
     /// Least objective found, in `unit`; null if no layout is feasible and within every limit.
     pub least_value: Option<f64>,
@@ -170,7 +172,7 @@ pub struct ProvenOperation {
     pub unit: Unit,
     /// Reason why there is no bound.
     pub why_not: Option<String>,
-    /// Number of boxes of joint coordinates that branch and bound examined.
+    /// Number of boxes of joint coordinates that the branch-and-bound method examined.
     pub boxes: u64,
 }
 
@@ -194,7 +196,8 @@ pub struct StartEntry {
     pub cycle_time: Option<CycleTimeEntry>,
 }
 
-/// Layout of the Pareto front, or of the shortlist: the best layouts that differ clearly from each other.
+/// Layout of the Pareto front or of the shortlist. The shortlist contains the best layouts that differ
+/// clearly from each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AlternativeEntry {

@@ -8,7 +8,7 @@ use crate::cell::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Settings of a run after flags, cell file and defaults were merged.
+/// Settings that result when flags, cell file and defaults are merged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolvedSettings {
@@ -37,7 +37,8 @@ pub struct ResolvedSettings {
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
-    /// Whether every piece stands exactly at its placement, so that placement tolerances do not count.
+    /// Whether every piece is assumed to stand exactly at its placement, so that placement tolerances are
+    /// ignored.
     pub ideal: bool,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,

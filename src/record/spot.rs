@@ -28,7 +28,7 @@ pub struct SpotEntry {
     pub worst: Option<f64>,
     /// Limit and margin; null if the operation has no limit or no spot.
     pub requirement: Option<RequirementEntry>,
-    /// Indices of the node of the spot along x and y of the surface.
+    /// Indices of the spot's node along the x and y axes of the surface.
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     /// Joint coordinates: degrees, or mm for a prismatic joint.

@@ -47,8 +47,8 @@ pub struct SweepPlan {
     pub combinations: usize,
     /// Hashes of the files that the combinations read; empty until the program has read these files.
     pub inputs: Vec<HashedFile>,
-    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
-    /// to the text when it writes the file.
+    /// Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to
+    /// the text when it writes the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -133,7 +133,7 @@ pub struct SweepRow {
     pub gap_percent: Option<f64>,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of feasible layouts among those evaluated.
+    /// Number of evaluated layouts that are feasible and, if a search ran, within every limit.
     pub feasible_evaluations: u64,
     pub operations: Vec<SweepSpot>,
     pub layout: ByName<PlacementEntry>,
@@ -143,8 +143,8 @@ pub struct SweepRow {
     /// settings. Empty if the layout is not feasible. For an island of a search, the only file is
     /// NNNN.island.json.
     pub files: Vec<HashedFile>,
-    /// SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key
-    /// to the text when it writes the file.
+    /// Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to
+    /// the text when it writes the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -166,7 +166,8 @@ pub struct SweepSpot {
     /// `requirement` is `not-guaranteed`.
     pub limit_met: Option<bool>,
     /// State of the limit: `met`, `missed`, `not-guaranteed`, or `none` (no limit or no spot). The state
-    /// `not-guaranteed` means met without misplacement, but not proven for all misplacements.
+    /// `not-guaranteed` means that the limit is met without misplacement, but is not proven to be met for all
+    /// misplacements.
     pub requirement: RequirementState,
 }
 

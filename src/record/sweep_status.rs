@@ -21,7 +21,7 @@ pub struct SweepStatus {
     /// Estimated time until the last combination is done, if the running workers continue. Null if no worker
     /// is running, or if no worker has finished a combination.
     pub seconds_left: Option<f64>,
-    /// Work that each host has done. Only workers of `sweep --claim` leave this information.
+    /// Work that each host has done. Only workers of `sweep --claim` record this information.
     pub hosts: Vec<HostWork>,
     /// Whether the tables and the manifest of the sweep are written.
     pub complete: bool,

@@ -48,9 +48,9 @@ pub struct VerdictDocument {
     #[serde(default)]
     pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
-    /// Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y
-    /// and yaw have ranges. At these angles, the layout stays within every limit. Null if the layout is
-    /// infeasible or misses a limit, or if equipment under an operation does not rotate.
+    /// Angles by which equipment may rotate as one body about the base axis. Equipment takes part in this
+    /// rotation if its x, y and yaw have ranges. At these angles, the layout stays within every limit. Null
+    /// if the layout is infeasible or misses a limit, or if equipment under an operation does not take part.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the answer is no.

@@ -44,7 +44,7 @@ pub fn objective_word(cell: &Cell) -> String {
     match cell.search.objective {
         Objective::WeightedSum => format!("{weighted}sum of the operations' {each}"),
         Objective::WeightedMaximum => format!("{weighted}maximum of the operations' {each}"),
-        Objective::Lexicographic => format!("comparison, in order of priority, of the operations' {each}"),
+        Objective::Lexicographic => format!("comparison of the operations' {each} in order of priority"),
         Objective::ToleranceCost => word.to_string(),
     }
 }

@@ -1,4 +1,4 @@
-//! Tables for the robot and cell files with allocated tolerances.
+//! TOML tables with the allocated tolerances, for the robot file and the cell file.
 
 use super::error_table::{number, table};
 use crate::assess::CellAllocation;
@@ -13,7 +13,7 @@ pub fn tables(problem: &CellAllocation<'_>, scales: &[f64], document: &Allocatio
     let cell = problem.scaled_cell(scales);
     let cost = document.cost.unwrap_or(0.0);
     let source = format!(
-        "sweetspot allocate: the cheapest tolerances by the {} reading; the cost is {}, before the allocation it was {}; scaled from the error set {}",
+        "sweetspot allocate: the cheapest tolerances by the {} reading; their cost is {} (before the allocation: {}); scaled from the error set {}",
         document.reading.name(),
         cost,
         document.cost_before,

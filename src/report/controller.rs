@@ -56,7 +56,7 @@ const FANUC: [&str; 6] = [
     "configuration of the joints is not part of the frame.",
 ];
 
-/// Returns the file of a controller. All characters are ASCII.
+/// Returns the file for a controller. All characters are ASCII.
 ///
 /// Lengths have 4 decimals in mm or 7 in m. Angles have 6 decimals in degrees or 9 in rad. Quaternions have
 /// 10 decimals. `stem` is the file name without its extension. KRL and RAPID modules are named after `stem`.

@@ -38,7 +38,7 @@ fn row(entry: &CorrectionEntry, document: &CorrectionDocument) -> Vec<String> {
     cells
 }
 
-/// Returns the name of a target, as the table of targets states it. A node without such a name is called
+/// Returns the name of a target as it appears in the table of targets. A node without such a name is called
 /// `node I J`, where I and J are the indices of the node. Any other target without a name is called `spot`.
 pub fn target(entry: &CorrectionEntry) -> String {
     match (&entry.name, entry.node) {

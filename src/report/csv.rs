@@ -1,5 +1,5 @@
-//! Tables as CSV: map.csv has one row per node, readings.csv has one row per operation, reading and
-//! registration, and front.csv has one row per layout.
+//! Tables as CSV. The table map.csv has one row per node, and front.csv has one row per layout. The table
+//! readings.csv has one row for each combination of operation, reading and registration.
 
 use crate::cell::{Cell, Slot};
 use crate::record::{
@@ -37,7 +37,7 @@ pub fn flag_word(flag: bool) -> &'static str {
     if flag { "1" } else { "0" }
 }
 
-/// Returns a number as text, empty if it is missing.
+/// Returns a number as text; the text is empty if the number is missing.
 pub fn or_empty(value: Option<f64>) -> String {
     value.map_or(String::new(), |v| v.to_string())
 }

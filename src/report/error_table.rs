@@ -32,8 +32,8 @@ enum FilePlace {
     Compliance(usize),
 }
 
-/// Returns the table `[errors.NAME]` with the tolerances `spreads`. These tolerances are in the order of
-/// [`Parameter::of_robot`].
+/// Returns the table `[errors.NAME]` with the tolerances in `spreads`. The order of the tolerances is the
+/// order of [`Parameter::of_robot`].
 ///
 /// Joint and link numbers in the table start at 1 and refer to the rows of the robot file.
 pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> String {

@@ -1,5 +1,5 @@
-//! Error table for a robot file. The errors come from a fit to measured positions, or from a file that states
-//! a finished calibration.
+//! Error table for a robot file. The errors come from a fit to measured positions, or from a file with the
+//! result of a finished calibration.
 
 use crate::calibration::{Calibration, Unknown};
 use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, PeriodicError, Robot, SignedErrors};
@@ -8,7 +8,7 @@ use crate::record::CalibrationDocument;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// Returns the table with the identified errors, elastic terms included, and their covariance.
+/// Returns the table with the identified errors (including elastic terms) and their covariance.
 ///
 /// The table uses the row numbers and the parameter names of the robot file.
 pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDocument) -> String {
@@ -184,7 +184,7 @@ fn numbers(values: impl Iterator<Item = f64>) -> String {
 const STATED_DECIMALS: i32 = 10;
 
 /// Returns the table with the errors of a finished calibration, as a signed sample. `source` names the file
-/// that states this calibration.
+/// with the result of this calibration.
 pub fn stated_table(robot: &Robot, errors: &SignedErrors, source: &str) -> String {
     let source = toml_string(&format!("sweetspot calibrate: {source}"));
     let mut out = format!("[errors.measured]\nkind = \"signed\"\nsource = {source}\n");

@@ -87,8 +87,8 @@ pub enum Command {
     /// Show the error calculation of one posture step by step
     #[command(before_help = "Example: sweetspot explain cells/hitachi_paper.toml --at 5,4")]
     Explain(ExplainArguments),
-    /// Compare the error of the layout as drawn under all readings (signed, worst case, statistical) and all
-    /// registrations
+    /// Compare the error under all readings (signed, worst case, statistical) and all registrations, for the
+    /// layout as drawn
     #[command(before_help = "Example: sweetspot readings cells/hitachi_cell.toml --out results/readings")]
     Readings(ReadingsArguments),
     /// Analyse how misplaced equipment affects the error, and report how much misplacement is allowed

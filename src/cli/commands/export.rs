@@ -159,7 +159,7 @@ fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
         return Ok(());
     }
     output::error(&format!(
-        "{}: the file name of --to {} must end in .{1}",
+        "{}: with --to {}, the file name must end in .{1}",
         path_word(out),
         format.extension()
     ));

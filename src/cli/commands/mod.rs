@@ -104,7 +104,7 @@ fn warn_of_infeasible(assessment: &Assessment<'_>) {
     if assessment.evaluation.objective.is_none() {
         let reasons = assessment.reasons();
         output::talk(&format!(
-            "warning: the layout is not feasible, do not build it: {}",
+            "warning: the layout is not feasible; do not build it: {}",
             reasons.join("; ")
         ));
     } else if !assessment.meets_requirements() {

@@ -110,9 +110,9 @@ pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedR
 /// Runs `sweetspot calibrate` for a file that states a calibration.
 pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -> Result<Exit, Exit> {
     if a.data.len() > 1 || !a.test.is_empty() || a.joints.is_some() {
-        output::error(&format!("{} states a calibration: give no other file with it", path_word(path)));
+        output::error(&format!("{} contains a calibration: give no other file with it", path_word(path)));
         output::talk(
-            "  help: give either tables of measured positions, or one file that states a calibration",
+            "  help: give either tables of measured positions, or one file that contains a calibration",
         );
         return Err(Exit::BadInput);
     }
@@ -127,7 +127,7 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
     ];
     for (option, _) in of_a_fit.iter().filter(|(_, is_given)| *is_given) {
         output::talk(&format!(
-            "note: {option} is ignored: a file that states a calibration has no positions to fit"
+            "note: {option} is ignored: a file that contains a calibration has no positions to fit"
         ));
     }
     let (errors, source) =
@@ -180,7 +180,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the joint origins and the tip link are compared with the nominal URDF; the differences are the errors, and the difference of the tip link becomes an error of the tool",
+        "note: {}: the joint origins and the tip link are compared with the nominal URDF; the differences of the joint origins become errors of the joint frames, and the difference of the tip link becomes an error of the tool",
         path_word(path)
     ));
     Ok((errors, source))

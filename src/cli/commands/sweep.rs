@@ -99,7 +99,7 @@ fn tell_part(sweep: &CheckedSweep, only: &IndexRanges) {
         }
         several => {
             let count = output::counted(several.len(), "combination");
-            output::talk(&format!("wrote {folder}: files of {count}"));
+            output::talk(&format!("wrote the files of {count} into {folder}"));
         }
     }
     suggest(&continuing(&sweep.plan, &sweep.folder, "--resume"));

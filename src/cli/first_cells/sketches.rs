@@ -166,7 +166,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         )
     },
     small(
-        ["stanford", "six axes, one of which slides (Stanford arm), bench and feeder", "stanford_arm"],
+        ["stanford", "six axes, one of them linear (Stanford arm), bench and feeder", "stanford_arm"],
         (500, 650),
         (600, 400, 800),
         1100,

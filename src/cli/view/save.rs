@@ -37,7 +37,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     }
     if !stem.chars().all(is_plain) || stem.starts_with(['.', '-', ' ']) || stem.ends_with(['.', ' ']) {
         return Err(
-            "a file name may contain only letters, digits, spaces, '-', '_' and '.'; it must not begin with '-' or '.', end with '.', or name a folder"
+            "a file name may contain only letters, digits, spaces, '-', '_' and '.', and no folder; it must not begin with '-' or '.', and must not end with '.'"
                 .into(),
         );
     }

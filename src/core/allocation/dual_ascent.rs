@@ -54,7 +54,7 @@ pub struct PricedScales {
     /// Scales of the tolerances. A figure can still exceed its limit ([`priced_scales`]).
     pub scales: Vec<f64>,
     pub cost: f64,
-    /// Lower bound of the cost of all scales that meet the limits.
+    /// Lower bound of the cost of any set of scales that meets the limits.
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,

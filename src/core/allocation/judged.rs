@@ -36,7 +36,7 @@ pub trait ToleranceJudge {
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
     /// Returns the linear figures of the requirements whose indices are in `which`. They approximate the
-    /// judged figures near the scales of the last call of [`Self::values`].
+    /// judged figures near the scales that were last passed to [`Self::values`].
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
     /// Returns whether every linear figure is a lower bound of its judged figure. If so, [`allocate_judged`]
@@ -50,7 +50,7 @@ pub struct JudgedAllocation {
     pub allocation: ToleranceAllocation,
     /// Judged figure of every requirement.
     pub judged: Vec<f64>,
-    /// Index, counted from 0, of the round that gave this allocation. Each round solves one linear problem.
+    /// Zero-based index of the round that gave this allocation. Each round solves one linear problem.
     pub rounds: usize,
     /// Largest relative excess of a judged figure over its limit at the scales of the first round. This
     /// excess measures the error of the linear problem.

@@ -156,7 +156,7 @@ impl LimitRow {
         x.exp()
     }
 
-    /// Returns a lower bound of the cost of all scales that satisfy the constraint.
+    /// Returns a lower bound of the cost of any set of scales that satisfies the constraint.
     pub fn least_cost(&self, costs: &[ToleranceCost]) -> f64 {
         let zeros = vec![0.0; costs.len()];
         let multiplier = self.multiplier(costs, &zeros, &zeros);

@@ -12,12 +12,12 @@ use nalgebra::Vector6;
 pub enum LinearFigure {
     /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.
     WorstCase {
-        /// Number of components that count in each error vector, beginning with the first component. All
-        /// other components are ignored.
+        /// Number of leading components of each error vector that are taken into account. All other
+        /// components are ignored.
         rows: usize,
-        /// Error that each parameter causes at its present tolerance, `g_k`.
+        /// Error `g_k` that each parameter causes at its present tolerance.
         generators: Vec<Vector6<f64>>,
-        /// Errors that no tolerance changes, `f_j`.
+        /// Errors `f_j` that no tolerance changes.
         fixed: Vec<Vector6<f64>>,
     },
     /// Root sum square: `sqrt(constant + sum_k squares_k u_k^2)`.
@@ -142,7 +142,7 @@ impl LinearFigure {
     }
 
     /// Returns whether the figure is a worst case in more than one axis. Such a figure needs several cuts:
-    /// one constraint for each sign pattern that binds.
+    /// one constraint for each sign pattern that is binding.
     pub fn has_many_cuts(&self) -> bool {
         matches!(self, Self::WorstCase { rows, .. } if *rows > 1)
     }

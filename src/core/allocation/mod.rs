@@ -1,4 +1,4 @@
-//! Tolerance allocation: the cheapest tolerances with which every requirement is kept.
+//! Tolerance allocation: the cheapest tolerances with which every requirement is met.
 //!
 //! The tolerances are `t_k = u_k t0_k`, where `t0_k` are the tolerances of the error set and `u_k` the scales
 //! to be found:

@@ -14,9 +14,9 @@ use nalgebra::Vector6;
 /// Largest number of Newton steps to find the factor by which all known multipliers are scaled.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that meet the limits of some figures, with their Lagrange multipliers. The price of
-/// figures is the cost of the cheapest tolerances that meet their limits. The known tolerances and
-/// multipliers give bounds of the prices of similar figures.
+/// Cheapest tolerances that meet the limits of some figures, with their Lagrange multipliers. The price of a
+/// set of figures is the cost of the cheapest tolerances with which none of these figures exceeds its limit.
+/// The known tolerances and multipliers give bounds of the prices of similar figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.

@@ -200,7 +200,7 @@ impl NodeFigure<'_> {
 
     /// Returns a root sum square that equals a percentile of normal errors at the present tolerances. At
     /// these tolerances, the root sum square and the percentile also have equal derivatives with respect to
-    /// the squared scales. The mean of the errors counts as 0.
+    /// the squared scales. The function treats the mean of the errors as 0.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///

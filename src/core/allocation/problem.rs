@@ -11,7 +11,7 @@ pub struct ToleranceRequirement {
     pub limit: f64,
 }
 
-/// Cost models of all parameters, and the requirements that their tolerances must keep.
+/// Cost models of all parameters, and the requirements that their tolerances must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceProblem {
     pub costs: Vec<ToleranceCost>,

@@ -15,8 +15,8 @@ pub struct ToleranceShortfall {
     pub limit: f64,
     /// Least possible figure: the figure at the tightest tolerances.
     pub least: f64,
-    /// Lower bounds of scales, one for each parameter whose error increases [`Self::least`]. The bound with
-    /// the least value of [`BoundInTheWay::without`] comes first.
+    /// Lower bounds of scales, one for each parameter whose error makes [`Self::least`] larger. The bound
+    /// with the least value of [`BoundInTheWay::without`] comes first.
     pub bounds: Vec<BoundInTheWay>,
 }
 

@@ -14,7 +14,7 @@ use crate::reading::{ErrorEvaluator, PreparedSample, WorkContext};
 use crate::robot::Chain;
 use nalgebra::{Matrix3, Vector3};
 
-/// Target of the TCP that the user states.
+/// User-specified target of the TCP.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedTarget {
     pub name: String,
@@ -50,7 +50,7 @@ pub struct OperationCorrector<'a> {
 
 impl<'a> OperationCorrector<'a> {
     /// Prepares the correction of one operation. Returns None if no value of an error is known, or if all
-    /// known values are 0. The errors of robot and equipment count.
+    /// known values are 0. The errors of robot and equipment are both taken into account.
     ///
     /// A tolerance does not state the actual value of an error, so no correction can be computed.
     pub fn new(workcell: &'a Workcell, operation: usize) -> Option<Self> {

@@ -36,8 +36,8 @@ pub struct EnvelopeQuery<'a> {
     /// Yaw of the work surface in the base frame, rad; azimuths of the attitude are measured from the x axis
     /// of the surface.
     pub yaw: f64,
-    /// Heights of the horizontal sections, m. If the list is empty, one section is at the height of the
-    /// greatest reach.
+    /// Heights of the horizontal sections, m. If the list is empty, there is a single section, at the height
+    /// of the greatest reach.
     pub heights: Vec<f64>,
     /// Distance between sampled points, m. If it is None, [`step_of`] determines the distance.
     pub step: Option<f64>,
@@ -48,8 +48,8 @@ impl EnvelopeQuery<'_> {
         self.step.unwrap_or_else(|| step_of(robot, inverse))
     }
 
-    /// Returns the number of points that the envelope samples, without the points that refine a boundary by
-    /// bisection.
+    /// Returns the number of points that are sampled for the envelope. The points that refine a boundary by
+    /// bisection are not included.
     pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
         let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
         // The height of the section is not known yet; the section at height 0 is counted instead.

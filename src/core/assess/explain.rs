@@ -136,8 +136,8 @@ impl<'a> Explanation<'a> {
         &self.judged.figures[self.context.evaluator.own()]
     }
 
-    /// Compares the position errors by the cell's model and by the nonlinear model. Returns their deviation
-    /// as a share of the nonlinear position error.
+    /// Compares the position error in the cell's model with the position error in the nonlinear model.
+    /// Returns the deviation as a share of the nonlinear position error.
     pub fn off(&self) -> f64 {
         match self.context.evaluator.model {
             Model::Nonlinear => 0.0,

@@ -80,5 +80,5 @@ fn nearest_without_overlap(cell: &Cell, layout: &Layout, apart: &Layout) -> Stri
         let world = if e.on.is_some() { " (world)" } else { "" };
         format!("{} at x {:.1}, y {:.1} mm{world}", e.name, mm_from_m(to.x), mm_from_m(to.y))
     });
-    format!("nearest placements found without overlap: {}", moved.collect::<Vec<_>>().join("; "))
+    format!("nearest overlap-free placements found: {}", moved.collect::<Vec<_>>().join("; "))
 }

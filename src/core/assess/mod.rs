@@ -319,7 +319,7 @@ pub struct Requirement {
     /// exceeded.
     ///
     /// If the layout must withstand misplacements, an upper bound over all misplacements replaces the error.
-    /// If no such bound is known, the error itself counts.
+    /// If no such bound is known, the error itself is used.
     pub margin: f64,
     /// Margin without misplacements: limit minus the error of the layout as drawn.
     pub drawn: f64,

@@ -42,7 +42,7 @@ impl OperationDifference {
     /// Returns how many nodes have a smaller value in the other layout, and how many have a larger value
     /// there.
     ///
-    /// Only nodes that are usable in both layouts count.
+    /// Nodes that are unusable in either layout are ignored.
     pub fn better_and_worse(&self) -> (usize, usize) {
         let all = || self.pairs.iter().filter_map(NodePair::difference);
         (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())

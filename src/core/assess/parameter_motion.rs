@@ -13,7 +13,7 @@ pub enum MotionFrame {
     Base,
     /// Link frame after this number of Denavit-Hartenberg rows.
     Link(usize),
-    /// Frame of a joint, counted from 0.
+    /// Frame of the joint with this index, counted from 0.
     Joint(usize),
     Tcp,
     /// Frame of the equipment on which the operation happens.
@@ -24,7 +24,7 @@ pub enum MotionFrame {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterMotion {
     pub place: MotionFrame,
-    /// Index of the axis in the frame `place`: 0, 1, 2 for x, y, z.
+    /// Index of the axis in the frame [`Self::place`]: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
@@ -32,7 +32,7 @@ pub struct ParameterMotion {
     /// parameter is elastic ([`Parameter::is_elastic`]).
     pub factor: f64,
     pub direction: Vector3<f64>,
-    /// Vector from the origin of the frame `place` to the TCP, m.
+    /// Vector from the origin of the frame [`Self::place`] to the TCP, m.
     pub lever: Vector3<f64>,
 }
 

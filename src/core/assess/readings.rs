@@ -34,10 +34,10 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value, under the reading and registration of this row, at the posture of the signed spot. The signed
+    /// Value at the posture of the signed spot, under the reading and registration of this row. The signed
     /// spot is the best node under the signed reading with the same registration.
     pub at_signed: Option<f64>,
-    /// Value, under the reading and registration of this row, at the posture of the unregistered spot. The
+    /// Value at the posture of the unregistered spot, under the reading and registration of this row. The
     /// unregistered spot is the best node under the same reading without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,

@@ -20,7 +20,7 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// All remedies, in the order of the work that they require; the least work comes first.
+    /// All remedies, in ascending order of the work that they require.
     pub const ALL: [Remedy; 4] = [Remedy::AsDrawn, Remedy::Calibrated, Remedy::Moved, Remedy::Both];
 }
 

@@ -18,9 +18,10 @@
 //! ```
 //!
 //! Newton's method with exact derivatives finds the minimum, but ignores second derivatives with respect to
-//! harmonics. If a residual is large, Huber's loss replaces its term in the sum. Here `s_k` is the prior
-//! standard deviation of parameter `a_k`. `S_i` is the covariance of the error that the parameters do not
-//! explain (see `residual_variances`). On a real arm, most of the unexplained error comes from the joints.
+//! harmonics. If a residual is large, Huber's loss replaces its term in the sum. The number `s_k` is the
+//! prior standard deviation of parameter `a_k`. `S_i` is the covariance of the error that the parameters do
+//! not explain (see `residual_variances`). On a real arm, most of the unexplained error comes from the
+//! joints.
 
 mod accuracy;
 mod deformed;

@@ -17,7 +17,7 @@ const OF_SET_UP: usize = OF_BASE + 3;
 /// Errors of measured positions that the unknowns do not explain, per axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnmodelledError {
-    /// Standard deviation of the part of the error that is nearly equal at nearby poses, m.
+    /// Standard deviation of the part of the error that is nearly the same at nearby poses, m.
     pub shared: f64,
     /// Length scale L of the shared part of the error, rad. At two poses with the distance d in the joint
     /// space, the correlation of this part is `exp(-d^2 / (2 L^2))`.
@@ -96,7 +96,7 @@ pub struct PlanProblem {
 
 impl PlanProblem {
     /// Prepares the choice among `candidates`. The chosen poses are to reduce the expected error at the
-    /// postures `task`.
+    /// postures in `task`.
     pub fn new(intended: &IntendedCalibration<'_>, candidates: &[JointVector], task: &[JointVector]) -> Self {
         let slopes: Vec<_> = candidates.iter().map(|q| intended.slopes(q, &intended.reflector)).collect();
         let registered = registered(&slopes, intended.unknowns.len());

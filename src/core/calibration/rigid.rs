@@ -81,9 +81,9 @@ const FINEST: f64 = 1e-6;
 /// the positions do not determine a coordinate of a reflector. An example is the height below a flange that
 /// always points down. Such a coordinate stays near 0, its value at the origin of the mechanical interface.
 ///
-/// The first estimate of the base is a rigid motion (Kabsch 1976). This motion best moves the origins of the
-/// mechanical interface onto the measured positions. Returns None if the positions do not determine this
-/// motion.
+/// The first estimate of the base is a rigid motion (Kabsch 1976). It is the motion that best maps the
+/// origins of the mechanical interface onto the measured positions. Returns None if the positions do not
+/// determine this motion.
 pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
     let pairs = poses.iter().zip(measured).map(|(pose, m)| (pose.interface.translation, m.position));
     let base = superposed(pairs)?;

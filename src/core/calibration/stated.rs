@@ -29,9 +29,9 @@ pub fn no_errors(axes: usize) -> SignedErrors {
 /// Returns the joint frame errors with which a chain of Denavit-Hartenberg rows has the stated frames.
 ///
 /// The z axis of joint frame k is the axis of the joint of row k. The frame moves with this joint.
-/// `frames[k]` is the pose of joint frame k in joint frame k - 1 at coordinate 0 of joint k. `frames[0]`
-/// begins at the base. The nominal value of `frames[k]` is `Tx(l) Rx(alpha)` of row k - 1, followed by
-/// `Rz(theta) Tz(r)` of row k.
+/// `frames[k]` is the pose of joint frame k in joint frame k - 1 at coordinate 0 of joint k. `frames[0]` is
+/// the pose of joint frame 0 in the base frame. The nominal value of `frames[k]` is `Tx(l) Rx(alpha)` of row
+/// k - 1, followed by `Rz(theta) Tz(r)` of row k.
 pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
     let mut errors = no_errors(chain.axes());
     let mut before = Pose::IDENTITY;

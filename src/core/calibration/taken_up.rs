@@ -3,13 +3,14 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-/// Two Jacobians of one position: for the errors of the arm, and for the unknowns of base and reflectors.
+/// Two Jacobians of one position: one for the errors of the arm, and one for the unknowns of base and
+/// reflectors.
 ///
 /// Each Jacobian has three rows (m, base frame) and one column for each error or unknown.
 pub type PositionJacobians = (DMatrix<f64>, DMatrix<f64>);
 
-/// Returns a Jacobian of one position. Each of the columns `slopes` is the displacement of the position, m,
-/// per unit of one error or unknown.
+/// Returns a Jacobian of one position. Each column, given in `slopes`, is the displacement of the position,
+/// m, per unit of one error or unknown.
 pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
     let columns: Vec<_> = slopes.collect();
     DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])

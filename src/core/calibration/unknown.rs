@@ -9,7 +9,7 @@ use crate::units::{m_from_mm, rad_from_deg};
 pub enum Unknown {
     /// Error of a Denavit-Hartenberg row.
     Row(Parameter),
-    /// Deflection of joint `joint` by weight that link `link` carries.
+    /// Deflection of joint `joint` caused by the weight that link `link` carries.
     ///
     /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m; see
     /// [`crate::robot::lever`]). The value is the compliance of the joint (rad/(N m)) times the weight (N) at
@@ -46,9 +46,10 @@ impl Unknown {
 
     /// Returns the default prior standard deviation, m, rad or rad/m.
     ///
-    /// The values are assumptions of this library: 0.5 mm for lengths and for the zeros of prismatic joints,
-    /// 0.5 degrees for the zeros of revolute joints, 0.1 degrees for twists, and 3 mrad/m for elastic terms.
-    /// The value for a coefficient of a harmonic is 0.15 mrad up to order 4, and 0.075 mrad above order 4.
+    /// The values are assumptions of this library. The value is 0.5 mm for lengths and for the zeros of
+    /// prismatic joints. It is 0.5 degrees for the zeros of revolute joints, and 0.1 degrees for twists. It
+    /// is 3 mrad/m for elastic terms. The value for a coefficient of a harmonic is 0.15 mrad up to order 4,
+    /// and 0.075 mrad above order 4.
     pub fn default_prior(self, chain: &Chain) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),

@@ -20,7 +20,7 @@ impl Model {
     /// All error models.
     pub const ALL: [Model; 3] = [Model::Nonlinear, Model::Linear, Model::SecondOrder];
 
-    /// Returns the name of this error model as files state it, for example `second-order`.
+    /// Returns the name of this error model as it is written in files, for example `second-order`.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Nonlinear => "nonlinear",
@@ -46,7 +46,7 @@ impl Reading {
     /// All readings.
     pub const ALL: [Reading; 3] = [Reading::Signed, Reading::WorstCase, Reading::Statistical];
 
-    /// Returns the name of this reading as files state it, for example `worst-case`.
+    /// Returns the name of this reading as it is written in files, for example `worst-case`.
     pub const fn name(self) -> &'static str {
         match self {
             Reading::Signed => "signed",
@@ -73,7 +73,7 @@ impl Quantity {
     pub const ALL: [Quantity; 5] =
         [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99, Quantity::Yield];
 
-    /// Returns the name of this quantity as files state it, for example `p95`.
+    /// Returns the name of this quantity as it is written in files, for example `p95`.
     pub const fn name(self) -> &'static str {
         match self {
             Quantity::Rms => "rms",
@@ -103,7 +103,7 @@ impl Registration {
     /// All registrations.
     pub const ALL: [Registration; 3] = [Registration::None, Registration::BestFit, Registration::Taught];
 
-    /// Returns the name of this registration as files state it, for example `best-fit`.
+    /// Returns the name of this registration as it is written in files, for example `best-fit`.
     pub const fn name(self) -> &'static str {
         match self {
             Registration::None => "none",
@@ -134,7 +134,7 @@ impl NodeAggregation {
     pub const ALL: [NodeAggregation; 4] =
         [NodeAggregation::Best, NodeAggregation::Max, NodeAggregation::Mean, NodeAggregation::P95];
 
-    /// Returns the name of this rule as files state it, for example `max`.
+    /// Returns the name of this rule as it is written in files, for example `max`.
     pub const fn name(self) -> &'static str {
         match self {
             NodeAggregation::Best => "best",
@@ -187,7 +187,7 @@ impl Objective {
         Objective::ToleranceCost,
     ];
 
-    /// Returns the name of this objective as files state it, for example `lexicographic`.
+    /// Returns the name of this objective as it is written in files, for example `lexicographic`.
     pub const fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
@@ -211,7 +211,7 @@ impl Solver {
     /// All global solvers.
     pub const ALL: [Solver; 3] = [Solver::CmaEs, Solver::ParticleSwarm, Solver::SimulatedAnnealing];
 
-    /// Returns the name of this solver as files state it, for example `cma-es`.
+    /// Returns the name of this solver as it is written in files, for example `cma-es`.
     pub const fn name(self) -> &'static str {
         match self {
             Solver::CmaEs => "cma-es",
@@ -230,7 +230,7 @@ pub struct SearchSettings {
     ///
     /// The lexicographic objective divides values into steps of this relative width. The last phase of a
     /// search selects a layout with much room. The objective of this layout exceeds the least objective by at
-    /// most this share. Within the region of a piece, the objective grows by at most this share.
+    /// most this share. Within the region of a piece of equipment, the objective grows by at most this share.
     pub indifference: f64,
     /// Resolution of the layout: the coordinates that a search finds are multiples of this resolution.
     pub resolution: Resolution,
@@ -245,7 +245,8 @@ pub struct SearchSettings {
     /// Optimality gap at which the search ends, as a share of the proven lower bound. None means that no
     /// gap ends the search.
     pub gap: Option<f64>,
-    /// Number of evaluations without improvement after which the global solver ends; None for no such limit.
+    /// Number of evaluations without improvement after which the global solver ends; None means that there is
+    /// no such limit.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search for the least error.
     pub pareto: Goals,

@@ -2,8 +2,8 @@
 
 use super::robot_model::{Joint, JointKind, JointVector};
 
-/// Margins to joint limits and singular postures that every posture must keep; a margin of 0 excludes no
-/// posture.
+/// Margins that every posture must keep from joint limits and from singular postures; a margin of 0 excludes
+/// no posture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
     /// Least distance from the limits of revolute joints, rad.

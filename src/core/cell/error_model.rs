@@ -47,7 +47,7 @@ pub enum Parameter {
     /// joint carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
     /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); the
-    /// factor 1 gives the full error. The number is the index of the joint.
+    /// factor 1 gives the full error. The stored index is that of the joint.
     Periodic(usize),
     /// Component of the error of the frame of a piece of equipment, in the axes of that frame.
     /// The first index is the equipment, and the second index is the component.
@@ -78,8 +78,8 @@ impl Parameter {
         terms.chain((0..axes).map(Self::Compliance)).chain((0..axes).map(Self::Periodic))
     }
 
-    /// Returns the name of this parameter as files state it. Examples are `dl2`, `base rx`, `joint3 rx` and
-    /// `elastic 2 3`.
+    /// Returns the name of this parameter as it is written in files. Some examples are `dl2`, `base rx`,
+    /// `joint3 rx` and `elastic 2 3`.
     ///
     /// For a parameter of equipment, the result is the name of the component alone.
     pub fn name(self) -> String {
@@ -173,7 +173,7 @@ pub struct PeriodicError {
     pub joint: usize,
     /// Coefficients of the cosines, rad.
     pub cos: Vec<f64>,
-    /// Coefficients of the sines, rad; as many as coefficients of the cosines.
+    /// Coefficients of the sines, rad; there are as many as there are coefficients of the cosines.
     pub sin: Vec<f64>,
 }
 
@@ -239,7 +239,7 @@ impl Distribution {
     pub const ALL: [Distribution; 3] =
         [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
 
-    /// Returns the name of this distribution as files state it, for example `normal`.
+    /// Returns the name of this distribution as it is written in files, for example `normal`.
     pub const fn name(self) -> &'static str {
         match self {
             Distribution::Normal => "normal",
@@ -271,7 +271,8 @@ impl Spread {
     /// Default half width of a tolerance as a number of standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Returns a tolerance with normal distribution whose half width is the absolute value of `value`.
+    /// Returns a tolerance of a normally distributed parameter; the half width is the absolute value of
+    /// `value`.
     ///
     /// The half width is three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {

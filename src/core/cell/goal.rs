@@ -46,7 +46,7 @@ impl Goal {
         Goal::Cost,
     ];
 
-    /// Returns the name of this goal as files state it, for example `joint-limits`.
+    /// Returns the name of this goal as it is written in files, for example `joint-limits`.
     pub fn name(self) -> &'static str {
         match self {
             Goal::Error => "error",

@@ -13,16 +13,18 @@ pub const MAX_COORDINATE: f64 = 1e6;
 /// Reason why a layout does not belong to a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Misfit {
-    /// The layout places `given` pieces of equipment, but the cell has `needed` pieces.
+    /// The number of placements in the layout (`given`) differs from the number of pieces of equipment in the
+    /// cell (`needed`).
     Placements { given: usize, needed: usize },
-    /// The layout has `given` attitudes, but the cell has `needed` operations.
+    /// The number of attitudes in the layout (`given`) differs from the number of operations in the cell
+    /// (`needed`).
     Attitudes { given: usize, needed: usize },
     /// A world coordinate of a placement or an angle of an attitude is NaN, or its absolute value exceeds
     /// [`MAX_COORDINATE`].
     Coordinate(Slot),
     /// The attitude of the operation with this index does not fit the cell, for one of two reasons:
     ///
-    /// - a fixed angle or the tolerance differs from the value of the operation in the cell;
+    /// - a fixed angle or the tolerance differs from that of the operation in the cell;
     /// - an angle that a search may change does not have exactly one value.
     Attitude(usize),
 }

@@ -18,7 +18,7 @@ impl Cell {
         }
     }
 
-    /// Returns the pedestal of the base at the greatest height that the cell allows.
+    /// Returns the pedestal for the greatest base height that the cell allows.
     ///
     /// The collision check uses this pedestal at every height of the base. If the base is not at its greatest
     /// height, the lower end of this pedestal is below the floor.

@@ -87,7 +87,8 @@ impl Cell {
     /// Returns a copy of this cell with another interpretation of its errors.
     ///
     /// # Errors
-    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
+    /// Returns every reason why the interpretation in `interpretation` cannot be applied to the errors of
+    /// this cell.
     pub fn with_interpretation(&self, interpretation: &Interpretation) -> Result<Cell, Vec<QuestionFault>> {
         self.asked_but_for(interpretation, |_| false)
     }
@@ -98,8 +99,8 @@ impl Cell {
     /// The caller must use the copy only for values of single operations, and must not add up these values.
     ///
     /// # Errors
-    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
-    /// Different units of the senses do not count as a reason.
+    /// Returns every reason why the interpretation in `interpretation` cannot be applied to the errors of
+    /// this cell. Different units of the senses do not count as a reason.
     pub fn with_interpretation_per_operation(
         &self,
         interpretation: &Interpretation,
@@ -128,13 +129,14 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns every reason why the errors of this cell cannot be interpreted as the cell states. The list is
-    /// empty for a cell that was read from a file.
+    /// Returns every reason why the interpretation that this cell states cannot be applied to its errors. The
+    /// list is empty for a cell that was read from a file.
     pub fn interpretation_faults(&self) -> Vec<QuestionFault> {
         self.faults_of(&self.interpretation())
     }
 
-    /// Returns every reason why the errors of this cell cannot be interpreted as `interpretation` states.
+    /// Returns every reason why the interpretation in `interpretation` cannot be applied to the errors of
+    /// this cell.
     pub fn faults_of(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let fault = |about, message, help: &str| QuestionFault { about, message, help: help.to_string() };
         let mut faults = Vec::new();

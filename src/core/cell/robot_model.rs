@@ -42,7 +42,7 @@ impl Convention {
     /// Both conventions.
     pub const ALL: [Self; 2] = [Self::Standard, Self::Modified];
 
-    /// Returns the name of this convention as files state it, for example `modified`.
+    /// Returns the name of this convention as it appears in files, for example `modified`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
@@ -129,7 +129,7 @@ pub struct Robot {
     ///
     /// The pose is given in the Denavit-Hartenberg frame of this link.
     ///
-    /// For a URDF, the joint frame is the origin frame of the URDF joint. For a robot written as
+    /// For a URDF, the joint frame is the origin frame of the URDF joint. For a robot given as
     /// Denavit-Hartenberg rows, the pose is the identity.
     pub joint_frames: Vec<Pose>,
     /// Matrix that maps actuator coordinates to Denavit-Hartenberg coordinates: lower triangular, unit

@@ -1,4 +1,4 @@
-//! Senses: the components of an error that count.
+//! Senses: the error components that matter to an operation.
 //!
 //! A sense is a list of rows. A row is a weighted component of the position or rotation error at a point.
 
@@ -24,7 +24,7 @@ impl Frame {
     /// All frames.
     pub const ALL: [Frame; 3] = [Frame::World, Frame::Surface, Frame::Tool];
 
-    /// Returns the name of this frame as files state it, for example `world`.
+    /// Returns the name of this frame as it appears in files, for example `world`.
     pub const fn name(self) -> &'static str {
         match self {
             Frame::World => "world",
@@ -71,7 +71,7 @@ impl Unit {
         matches!(self, Unit::Length | Unit::Angle)
     }
 
-    /// Returns the name of this unit as files and reports state it, for example `mm`.
+    /// Returns the name of this unit as it appears in files and reports, for example `mm`.
     pub fn word(self) -> &'static str {
         match self {
             Unit::Length => "mm",
@@ -96,7 +96,7 @@ impl Unit {
 pub struct Sense {
     pub name: String,
     pub frame: Frame,
-    /// Point whose error counts: vector from the TCP in the tool frame, m.
+    /// Point at which the error is measured, as a vector from the TCP in the tool frame, m.
     pub point: Vector3<f64>,
     pub unit: Unit,
     rows: [Row; MAX_ROWS],
@@ -110,8 +110,8 @@ pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rot
 pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
 
 impl Sense {
-    /// Returns a sense with the rows (weighted components) `given`; rows after the first [`MAX_ROWS`] are
-    /// left out.
+    /// Returns a sense whose rows (weighted components) are those in `given`; rows after the first
+    /// [`MAX_ROWS`] are left out.
     pub fn new(name: &str, frame: Frame, point: Vector3<f64>, unit: Unit, given: &[Row]) -> Self {
         let mut rows = [Row::ZERO; MAX_ROWS];
         let count = given.len().min(MAX_ROWS);
@@ -134,8 +134,8 @@ impl Sense {
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }
 
-    /// Returns the rows (weighted components) of the built-in sense `word`, one of the names in [`PLAIN`];
-    /// None for any other word.
+    /// Returns the rows (weighted components) of the built-in sense with the name `word`; None if `word` is
+    /// not in [`PLAIN`].
     pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
         let (turns, axes) = match word {
             "rotation" => (true, "xyz"),

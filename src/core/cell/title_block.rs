@@ -32,7 +32,7 @@ impl Projection {
     /// All projection methods.
     pub const ALL: [Projection; 2] = [Projection::FirstAngle, Projection::ThirdAngle];
 
-    /// Returns the name of this projection method as files state it, for example `first-angle`.
+    /// Returns the name of this projection method as it appears in files, for example `first-angle`.
     pub const fn name(self) -> &'static str {
         match self {
             Projection::FirstAngle => "first-angle",

@@ -52,7 +52,7 @@ impl ToleranceCost {
 
     /// Returns the cost model of discrete grades; None if there is no grade.
     ///
-    /// Grades that cost at least as much as a tighter grade are left out, because nobody would order them.
+    /// Grades that cost at least as much as a tighter grade are left out, because nobody would choose them.
     pub fn of_grades(mut grades: Vec<ToleranceGrade>) -> Option<Self> {
         grades.sort_by(|a, b| a.scale.total_cmp(&b.scale).then(a.cost.total_cmp(&b.cost)));
         let mut kept: Vec<ToleranceGrade> = Vec::new();
@@ -89,9 +89,9 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the scale that can be ordered if the scale `u` is wanted. For a continuous law, the result is
-    /// `u`, clamped to the range. For grades, the result is the scale of the loosest grade whose scale is
-    /// at most `u`. If the scales of all grades exceed `u`, the result is the scale of the tightest grade.
+    /// Returns the scale that can be obtained if the scale `u` is wanted. For a continuous law, the result is
+    /// `u`, clamped to the range. For grades, the result is the scale of the loosest grade whose scale is at
+    /// most `u`. If the scales of all grades exceed `u`, the result is the scale of the tightest grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

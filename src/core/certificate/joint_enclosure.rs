@@ -46,8 +46,8 @@ impl JointEnclosure {
     /// Returns the joint enclosure of a posture with the actuator coordinates `joints` and the frames
     /// `frames`.
     ///
-    /// The result is valid for every nominal posture whose D-H coordinates are within `beyond` (rad or m) of
-    /// the given posture. For a single posture, `beyond` is 0.
+    /// The result is valid for every nominal posture whose D-H coordinates differ from those of the given
+    /// posture by at most `beyond` (rad or m). For a single posture, `beyond` is 0.
     ///
     /// # Errors
     /// Returns the reason if there is no joint enclosure, or if the enclosure exceeds the joint limits.

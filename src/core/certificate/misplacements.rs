@@ -16,8 +16,8 @@ pub struct Misplacements {
 }
 
 impl Misplacements {
-    /// Computes the bounds of a layout, reusing the memory of `self`. `reach` is the radius around the base
-    /// within which robot solids can be, m.
+    /// Computes the bounds of a layout, reusing the memory of `self`. The robot solids stay within the radius
+    /// `reach` (m) around the base.
     pub fn set(&mut self, cell: &Cell, layout: &Layout, reach: f64) {
         self.equipment.clear();
         for k in 0..cell.equipment.len() {

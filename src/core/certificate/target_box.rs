@@ -22,7 +22,7 @@ impl BoxAxis {
         [Self::Position(0), Self::Position(1), Self::Position(2), Self::Heading];
 }
 
-/// Box of the deviations of one TCP target from its nominal position and heading, base frame.
+/// Box of the deviations of one TCP target from its nominal position and heading, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetBox {
     /// Half widths of the position, m.

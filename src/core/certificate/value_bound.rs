@@ -41,7 +41,7 @@ pub enum NoValueBound {
     Relative,
     /// The sense (error component of the operation) includes rotations.
     Rotation,
-    /// The sense is given in axes of the tool, and weights them unequally.
+    /// The sense is given in tool axes, and does not have the same weight in all directions.
     ToolAxes,
     /// The value is a share of failures.
     Share,
@@ -52,7 +52,7 @@ pub enum NoValueBound {
     ManyRows,
     /// Elastic errors change with the posture.
     Elastic,
-    /// The errors vary about means that are not 0.
+    /// The errors have mean values that are not 0.
     Mean,
 }
 
@@ -63,7 +63,7 @@ impl NoValueBound {
             Self::Registered => "a registration removes part of its error",
             Self::Relative => "the error is measured relative to the operation that picks the part",
             Self::Rotation => "the sense has rotations",
-            Self::ToolAxes => "the sense is in axes of the tool",
+            Self::ToolAxes => "the sense is given in the axes of the tool",
             Self::Share => "the value is a share of failures",
             Self::NotNormal => "not all parameters are normally distributed",
             Self::ManyRows => "the sense has more than three components",

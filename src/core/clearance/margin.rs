@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// Upper bounds, m, of the motion of solids from their nominal poses, relative to the robot base.
 ///
 /// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after the
-/// last piece denotes the fence, and None denotes the floor.
+/// last piece denotes fence and keep-out boxes, and None denotes the floor.
 pub trait SolidMotion {
     /// Returns the bound for a robot solid.
     fn of_link(&self, link: usize) -> f64;

@@ -6,16 +6,16 @@
 //!   (`bounding_capsule`); parry3d for the pairs that the closed forms cannot decide (`scene`).
 //! - Distances and bounding spheres serve continuous collision checking in [`crate::motion`].
 //!
-//! parry3d runs in f64 here, so no margin for single precision is needed. To keep a clearance, the robot's
-//! solids are enlarged once, when the cell is loaded. The enlargement is the clearance plus 1e-7 m
-//! (`TOUCHING` in `robot_solids`). So every check is a plain intersection test. Enlarged capsules, spheres,
-//! boxes and cylinders are exact, because parry3d has rounded shapes for them. Solids that touch count as a
-//! collision, but a contact of floor spaces is allowed.
+//! parry3d runs in f64 here, so no margin for single precision is needed. The robot's solids are enlarged
+//! once, when the cell is loaded, so that no check has to add the clearance. The enlargement is the clearance
+//! plus 1e-7 m (`TOUCHING` in `robot_solids`). Every check is then a plain intersection test. Enlarged
+//! capsules, spheres, boxes and cylinders are exact, because parry3d has rounded shapes for them. Solids that
+//! touch count as a collision, but a contact of floor spaces is allowed.
 //!
 //! A convex equipment mesh is checked as a convex polyhedron. Any other equipment mesh is checked triangle by
-//! triangle. Both checks are exact. Link meshes, which move, are checked as convex parts that contain the
-//! mesh. The robot is checked against itself without the clearance. The pedestal is an
-//! exception: the arm must keep the clearance from the sides of the pedestal.
+//! triangle. Both checks are exact. Because links move, each link mesh is checked as a set of convex parts
+//! that together contain the mesh. The robot is checked against itself without the clearance. The pedestal is
+//! an exception: the arm must keep the clearance from the sides of the pedestal.
 
 mod arm_part;
 mod bodies;

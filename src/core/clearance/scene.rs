@@ -24,7 +24,7 @@ use parry3d::shape::{Cuboid, SharedShape};
 /// All solids of a cell, prepared once for collision checking.
 ///
 /// Each robot solid is stored in two sizes. Checks against equipment, fence and floor use the solid enlarged
-/// by the clearance plus 1e-7 m. Checks of the robot against itself use the solid enlarged by 1e-7 m alone.
+/// by the clearance plus 1e-7 m. Checks of the robot against itself use the solid enlarged by only 1e-7 m.
 pub struct Scene {
     pub(super) links: Vec<RobotSolid>,
     /// Bounding spheres of the robot solids, in the order of `links`.

@@ -10,9 +10,9 @@ impl FloorPlan {
     /// Returns the least distance between floor spaces that must not overlap. If this distance exceeds `max`
     /// (m), the result is `max`.
     ///
-    /// Each distance is the root sum square of the distance in plan and the vertical distance.
-    /// The result is 0 if any two floor spaces overlap. A pair that the search cannot move does not count,
-    /// because its distance is the same in every layout.
+    /// Each distance is the root sum square of the distance in plan and the vertical distance. The result is
+    /// 0 if any two of these floor spaces overlap. Pairs in which the search can move neither object are left
+    /// out, because their distance is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;

@@ -9,8 +9,8 @@
 //! Jacobian and the Jacobian of the arm with errors is about 0.001. So each step multiplies the remaining
 //! error by about 0.001, or by a larger factor near a singular posture. Position has priority over
 //! orientation. An arm with fewer than six joints attains the position, but only approximates the
-//! orientation. Motions in the null space of the position rows of the Jacobian do not move the TCP. Least
-//! squares choose the motion in this null space that leaves the least orientation error.
+//! orientation. Motions in the null space of the position rows of the Jacobian do not move the TCP. A
+//! least-squares solution selects the motion in this null space that leaves the least orientation error.
 
 mod step;
 

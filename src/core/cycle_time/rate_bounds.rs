@@ -24,9 +24,9 @@ pub struct RateBounds {
 impl RateBounds {
     /// Returns the bounds of a robot.
     ///
-    /// A joint without a stated acceleration reaches its maximum speed in [`Robot::full_speed_after`]. If the
-    /// robot file does not state this time, the joint reaches its maximum speed in
-    /// [`ASSUMED_FULL_SPEED_AFTER`].
+    /// A joint without a stated acceleration reaches its maximum speed in the time
+    /// [`Robot::full_speed_after`]. If the robot file does not state this time, the joint reaches its maximum
+    /// speed in the time [`ASSUMED_FULL_SPEED_AFTER`].
     ///
     /// # Errors
     /// Returns the indices of the joints without a stated speed.

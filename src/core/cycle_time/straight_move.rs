@@ -26,9 +26,9 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 ///
 /// The joints are synchronized: at every instant, all joints have completed equal shares of their travels.
 /// The arm therefore stays on the straight line in joint coordinates that the collision check assumes. The
-/// share has a trapezoidal speed profile. Let d be the travel of a joint, v its maximum speed and a its
-/// maximum acceleration. The maximum speed of the share is the least `v / |d|` over all joints. The maximum
-/// acceleration of the share is the least `a / |d|` over all joints.
+/// completed share has a trapezoidal speed profile. Let d be the travel of a joint, v its maximum speed and a
+/// its maximum acceleration. The maximum speed of the completed share is the least `v / |d|` over all joints.
+/// The maximum acceleration of the completed share is the least `a / |d|` over all joints.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }

@@ -42,7 +42,7 @@ impl Component {
     /// All components.
     pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Z, Self::Resultant];
 
-    /// Returns the name of this component as documents state it, for example `resultant`.
+    /// Returns the name of this component as it appears in documents, for example `resultant`.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -133,8 +133,8 @@ impl Field {
     ///
     /// The means along the two grid axes are computed separately, and the smaller one is returned.
     ///
-    /// Points that the cell file lists one by one have no grid. Neighbours are then two successive points of
-    /// the list.
+    /// Points that the cell file lists one by one have no grid. In this case, successive points of the list
+    /// count as neighbours.
     pub fn spacing(&self) -> f64 {
         let along = self.size.0.max(1);
         let mean = |pairs: Vec<(usize, usize)>| {

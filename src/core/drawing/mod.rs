@@ -50,9 +50,9 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Regions of the robot base and of equipment: positions of the frame origin of one piece at which the
-    /// layout is feasible. Each region is drawn at the height of this frame origin. The list is empty if no
-    /// regions were computed.
+    /// Regions of the robot base and of equipment. The region of a piece consists of the positions of its
+    /// frame origin at which the layout is feasible. Each region is drawn at the height of this frame origin.
+    /// The list is empty if no regions were computed.
     pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,

@@ -20,7 +20,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
-    /// Returns the name of this kind as documents state it, for example `keep-out`.
+    /// Returns the name of this kind as it appears in documents, for example `keep-out`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robot => "robot",

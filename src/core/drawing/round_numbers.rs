@@ -10,7 +10,7 @@ pub const HALF_DIGITS: &[f64] =
 
 /// Returns the largest round number that does not exceed `limit`, which must be positive.
 ///
-/// A round number is one of `leads` times a power of ten.
+/// A round number is one of the factors in `leads`, multiplied by a power of ten.
 pub fn round_down(limit: f64, leads: &[f64]) -> f64 {
     let decade = 10f64.powi(limit.log10().floor() as i32);
     // The logarithm of a power of ten may be wrong in the last bit.

@@ -298,7 +298,7 @@ impl PlacedLayout<'_> {
         })
     }
 
-    /// Returns an upper bound, over all misplacements, of an operation's value at a certified spot. Returns
+    /// For a certified spot, returns an upper bound of the operation's value over all misplacements. Returns
     /// None if no bound is known.
     ///
     /// # Errors

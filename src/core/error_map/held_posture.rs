@@ -32,8 +32,8 @@ pub struct HeldPosture {
 }
 
 impl HeldPosture {
-    /// Returns this posture for another point of the surface. Branch, joint coordinates and heading do not
-    /// change.
+    /// Returns a copy of this posture at another point of the surface. Branch, joint coordinates and heading
+    /// do not change.
     #[must_use]
     pub fn at_point(&self, at: (f64, f64)) -> Self {
         Self { at, ..*self }

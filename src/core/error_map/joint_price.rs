@@ -31,11 +31,11 @@ impl PlacedLayout<'_> {
     }
 
     /// Returns an upper bound of the cost that [`Self::joint_price`] computes. A returned bound never exceeds
-    /// `most`. Returns None if [`Self::joint_price`] returns None, or if this cost exceeds `most`.
+    /// `most`. Returns None if [`Self::joint_price`] returns None or a cost above `most`.
     ///
     /// The argument `near` holds the cheapest tolerances of a similar layout. The function first reduces
-    /// these tolerances until they meet every limit. If this fails, or if their cost exceeds `most`, the
-    /// function computes the cost of this layout.
+    /// these tolerances until they meet every limit. If this fails, or if the reduced tolerances cost more
+    /// than `most`, the function falls back on the cost from [`Self::joint_price`].
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

@@ -44,7 +44,7 @@ pub struct ArmKinematics {
 }
 
 impl Mapper {
-    /// Prepares a cell whose solids are `scene`.
+    /// Prepares a cell whose solids are in `scene`.
     ///
     /// # Errors
     /// Returns the reason if the geometry of the robot does not allow the attitude of an operation. Also
@@ -97,7 +97,7 @@ impl Mapper {
         &self.arm.chain
     }
 
-    /// Computes the link frames at joint coordinates.
+    /// Computes the link frames at the given joint coordinates.
     pub fn frames(&self, joints: &JointVector) -> Frames {
         self.arm.chain.frames(&self.arm.chain.posture(joints))
     }

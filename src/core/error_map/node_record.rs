@@ -68,7 +68,7 @@ impl Status {
         }
     }
 
-    /// Returns the name of this status as documents state it, for example `joint-limit`.
+    /// Returns the name of this status as it appears in documents, for example `joint-limit`.
     pub fn name(&self) -> &'static str {
         self.sign().name()
     }

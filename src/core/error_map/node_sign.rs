@@ -51,7 +51,8 @@ impl NodeSign {
         Self::Unjudged,
     ];
 
-    /// Returns the name of this class as documents (JSON, CSV, Parquet) state it, for example `joint-limit`.
+    /// Returns the name of this class as it appears in documents (JSON, CSV, Parquet), for example
+    /// `joint-limit`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Usable => "ok",

@@ -46,15 +46,15 @@ impl<'a> PlacedLayout<'a> {
         Self { mapper, layout, solids, demand: None, kept: &[] }
     }
 
-    /// Returns this layout, in which every posture must meet `demand` at all misplacements. If `demand` is
+    /// Returns this layout with a demand that every posture must meet at all misplacements. If `demand` is
     /// None, misplacements are not considered.
     #[must_use]
     pub fn demanding(self, demand: Option<Demand<'a>>) -> Self {
         Self { demand, ..self }
     }
 
-    /// Returns this layout, in which operation k keeps the posture `kept[k]`. The entry is None if the
-    /// operation keeps no posture.
+    /// Returns this layout with kept postures: operation k keeps the posture `kept[k]`. The entry is None if
+    /// the operation keeps no posture.
     ///
     /// For a spot with the branch index [`crate::reach::CONTINUED`], the numeric solver computes the posture
     /// at the target in this layout. The solver starts at the kept posture.

@@ -22,7 +22,7 @@ pub enum PostureOrder {
 }
 
 impl PostureOrder {
-    /// Returns the name of this order as documents state it, for example `ranked-nodes`.
+    /// Returns the name of this order as it appears in documents, for example `ranked-nodes`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::RankedNodes => "ranked-nodes",

@@ -122,8 +122,8 @@ impl<'a> Probe<'a> {
     /// Returns up to four postures at the point of `held`, with a redundant coordinate moved in either
     /// direction ([`RedundantCoordinate`]).
     ///
-    /// The coordinate moves by `share` of the distance between its sampled values. Redundant coordinates
-    /// along which the search does not refine postures are left out.
+    /// The coordinate moves by the distance between its sampled values, multiplied by `share`. Redundant
+    /// coordinates along which the search does not refine postures are left out.
     pub fn beside(&self, held: &HeldPosture, share: f64) -> impl Iterator<Item = HeldPosture> + use<> {
         let moved = [RedundantCoordinate::Joint, RedundantCoordinate::Spin].map(|coordinate| {
             let is_refined = self.query.refines(coordinate);

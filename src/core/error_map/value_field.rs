@@ -9,11 +9,11 @@ use nalgebra::Vector3;
 /// inverse kinematics.
 const SLACK: f64 = 1e-6;
 
-/// Table of lower bounds of the value at a node, over the height of the node and its distance from the base
-/// axis (radius).
+/// Table of lower bounds of the value at a node, as a function of the node's height and its distance from the
+/// base axis (radius).
 ///
-/// The table holds for every layout in which two quantities lie in the ranges of the table. These quantities
-/// are the height of the operation and the elevation of the tool axis.
+/// The bounds are valid for every layout in which two quantities lie in the ranges of the table. These
+/// quantities are the height of the operation and the elevation of the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueField {
     /// Range of the elevation that the operation asks of the tool axis, rad.
@@ -76,8 +76,8 @@ impl ValueField {
         }
     }
 
-    /// Returns whether the table covers a height of a target in the base frame (m), and an elevation of the
-    /// tool axis (rad).
+    /// Returns whether the table covers both the given height of a target in the base frame (m) and the given
+    /// elevation of the tool axis (rad).
     pub fn covers(&self, z: f64, elevation: f64) -> bool {
         self.height.cell(z).is_some() && self.elevation.0 <= elevation && elevation <= self.elevation.1
     }

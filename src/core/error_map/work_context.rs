@@ -8,7 +8,7 @@ use crate::reach::CONTINUED;
 use crate::reading::WorkContext;
 
 impl PlacedLayout<'_> {
-    /// Computes the data, other than the posture, that determine the errors of an operation.
+    /// Computes all data that determine the errors of an operation, except the posture.
     ///
     /// `spots` holds the spots of the earlier operations.
     ///

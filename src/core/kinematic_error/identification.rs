@@ -67,8 +67,8 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
 
 /// Returns the identification Jacobian: six rows per posture, one unscaled column per parameter.
 ///
-/// The three rows per posture for the rotation error are multiplied by `length` (m), for example 1 m or the
-/// reach of the arm.
+/// For each posture, the three rows of the rotation error are multiplied by `length` (m), for example 1 m or
+/// the reach of the arm.
 pub fn identification_jacobian(
     chain: &Chain,
     postures: &[Posture],
@@ -93,8 +93,9 @@ pub fn identification_jacobian(
 
 /// Returns the condition number of the identification Jacobian with columns scaled to unit length.
 ///
-/// The three rows per posture for the rotation error are multiplied by `length` (m). If the postures cannot
-/// identify all parameters of the set, the condition number is infinite, or above 1e12 because of rounding.
+/// For each posture, the three rows of the rotation error are multiplied by `length` (m). If the postures
+/// cannot identify all parameters of the set, the condition number is infinite, or above 1e12 because of
+/// rounding.
 pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length: f64) -> f64 {
     let mut jacobian = identification_jacobian(chain, postures, &identifiable(chain, set), length);
     if jacobian.nrows() < jacobian.ncols() {

@@ -24,8 +24,8 @@ pub struct Screws {
     pub points: [Vector3<f64>; MAX_JOINTS],
     /// Position of the TCP, m.
     pub tip: Vector3<f64>,
-    /// Position of the measured point, m. The measured point is the point whose error counts in the sense
-    /// ([`crate::cell::Sense::point`]).
+    /// Position of the measured point, m. The measured point is the point at which the sense measures the
+    /// error ([`crate::cell::Sense::point`]).
     pub point: Vector3<f64>,
     /// Unit vector along the tool.
     pub tool: Vector3<f64>,
@@ -106,7 +106,7 @@ impl Screws {
     /// entry after the last axis belongs to the motion of the measured point. The first array holds angles
     /// (rad), the second array translations (m).
     ///
-    /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
+    /// Errors that cancel each other, such as large offsets along parallel axes, do not contribute.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {
         let n = self.kinds.len();
         let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);

@@ -77,8 +77,8 @@ impl TwoValuedWalk {
     /// Prepares the walk of a chain. `errors` holds the parameters that have an error, as indices in the
     /// order of [`Parameter::of_robot`].
     ///
-    /// Returns None for more than 128 errors, for elastic errors, and if a small motion depends on several
-    /// errors.
+    /// Returns None if there are more than 128 errors, if an error is elastic, or if a small motion depends
+    /// on several errors.
     pub fn new(chain: &Chain, errors: &[usize]) -> Option<Self> {
         let axes = chain.axes();
         let is_elastic = |parameter: &usize| *parameter >= Parameter::first_elastic(axes);

@@ -95,7 +95,8 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Returns the numbers of nodes, postures and contact checks in all evaluations with this memory so far.
+    /// Returns how many nodes, postures and contact checks all evaluations with this memory have needed so
+    /// far.
     pub fn counts(&self) -> WalkCounts {
         self.spots.counts()
     }
@@ -109,7 +110,7 @@ pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
     evaluate_in(workcell, layout, &mut Workspace::default())
 }
 
-/// Evaluates one layout like [`evaluate`], with memory that the caller keeps from call to call.
+/// Evaluates one layout as [`evaluate`] does, with memory that the caller keeps from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
     if let Some(misfit) = workcell.cell.misfit(layout) {
         return Evaluation::of_misfit(workcell, misfit);

@@ -39,8 +39,8 @@ impl Workcell {
     /// - joint limits: the least value of [`Measures::limits`], a number without unit, at the nodes at which
     ///   an operation happens. The joint limits are those of the robot file, without margins.
     /// - singularity: the least value of [`Measures::singularity`], a number without unit, at the same nodes.
-    /// - travel: the joint travel (rad) of the transfers or, if transfers are not checked, of direct moves
-    ///   from spot to spot.
+    /// - travel: the joint travel (rad) of the transfers. If transfers are not checked, direct moves from
+    ///   spot to spot replace the transfers.
     /// - footprint: the area (m^2) of the convex hull of the floor spaces of robot base and equipment.
     /// - time: the least time (s) of the motions and operations ([`crate::cycle_time`]). The time is NaN if
     ///   the maximum speed of a joint is not known, or if the arm cannot follow an approach or a retract.

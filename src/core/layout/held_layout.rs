@@ -88,8 +88,8 @@ impl<'a> HeldLayout<'a> {
 
     /// Judges another layout whose operations keep the spots of this layout. Returns the objective of the
     /// other layout (m, rad, share of failures, or cost of tolerances). A returned objective never exceeds
-    /// `most`. If the objective is the cost of tolerances, the result may be an upper bound of the least
-    /// cost.
+    /// the argument `most`. If the objective is the cost of tolerances, the result may be an upper bound of
+    /// the least cost.
     ///
     /// # Errors
     /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
@@ -119,7 +119,7 @@ impl<'a> HeldLayout<'a> {
         })
     }
 
-    /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster. The judgement
+    /// Judges a layout with one moved piece of equipment, as [`Self::judge`] does, but faster. The judgement
     /// begins with [`Self::estimate_moved`]. If the estimate gives no reason against the layout, the
     /// judgement continues. It then checks the operations that are independent of this equipment, and the
     /// transfers.

@@ -21,7 +21,8 @@ pub struct Sightline {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasurablePoses {
     pub joints: Vec<JointVector>,
-    /// Number of postures that touch something, or come nearer than the clearance of the cell.
+    /// Number of postures in which the robot touches something, or comes nearer than the clearance of the
+    /// cell.
     pub colliding: usize,
     /// Number of collision-free postures at which the reflector is hidden or faces away.
     pub hidden: usize,
@@ -31,16 +32,18 @@ pub struct MeasurablePoses {
 const MAX_TRIES: usize = 100;
 
 impl Workcell {
-    /// Returns the solid of a layout that contains a point (world frame, m); None if no solid contains it.
+    /// Returns the solid that contains a point (world frame, m) in a layout; None if no solid contains the
+    /// point.
     pub fn solid_at(&self, layout: &Layout, point: &Vector3<f64>) -> Option<SolidRef> {
         let placed = self.placed(layout).into_solids();
         self.mapper.scene().solid_at(&placed, point)
     }
 
-    /// Returns up to `wanted` postures of a layout that can be measured, spread evenly over the joint space.
+    /// Returns postures of a layout that can be measured, spread evenly over the joint space. The number of
+    /// postures is at most `wanted`.
     ///
     /// Postures are points of a Halton sequence within the joint limits and the margins of the cell. The
-    /// number `seed` selects the first point of the sequence that is tried. The position `reflector` is in
+    /// number `seed` selects the point of the sequence that is tried first. The position `reflector` is in
     /// the frame of the mechanical interface, m. If `sightline` is None, the reflector counts as visible in
     /// every posture. `progress` receives the number of postures found.
     pub fn measurable_poses(
@@ -82,8 +85,8 @@ impl Workcell {
         found
     }
 
-    /// Returns the position of a reflector in the world frame at a posture, m. `reflector` is its position
-    /// in the frame of the mechanical interface, m.
+    /// Returns the position (m) of a reflector in the world frame at a posture. `reflector` is the position
+    /// (m) of the reflector in the frame of the mechanical interface.
     pub fn reflector_at(
         &self,
         layout: &Layout,

@@ -108,15 +108,16 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Coordinates of the layout, each with the derivative of the value with respect to it, per m or rad. A
-    /// derivative is None if the arm cannot reach one of the two points of the central difference.
+    /// Coordinates of the layout, each with the derivative of the value with respect to that coordinate, per
+    /// m or rad. A derivative is None if the arm cannot reach one of the two points of the central
+    /// difference.
     ///
     /// Joint limits are ignored. The coordinates are x, y, z and yaw of the equipment, and every other
     /// coordinate in `tolerance`.
     pub gradient: Vec<(Slot, Option<f64>)>,
     /// Largest allowed multiple of the placement tolerances; None if the cell has no placement tolerances.
     pub scale: Option<Largest>,
-    /// Largest displacement of the equipment in plan that is allowed in every direction, m.
+    /// Largest horizontal displacement of the equipment that is allowed in every direction, m.
     pub shift: Largest,
     /// Largest rotation of the equipment about the vertical that is allowed in both directions, rad.
     pub turn: Largest,
@@ -169,7 +170,7 @@ impl Workcell {
         maps.iter().map(robustness).collect()
     }
 
-    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout without
+    /// Computes the value of an operation when bodies are misplaced, from the maps of the layout without
     /// misplacements. The spot and the branch do not change.
     ///
     /// # Errors

@@ -35,7 +35,7 @@ impl Workcell {
         Self::remembering(cell, &mut |_, compute| compute())
     }
 
-    /// Prepares a cell with a cache for the convex decomposition of link meshes.
+    /// Prepares a cell. The function `remember` caches the convex decompositions of link meshes.
     ///
     /// # Errors
     /// Returns an error in the same cases as [`Self::new`].
@@ -106,7 +106,7 @@ impl Workcell {
         self.mapper.keep_value_fields(compute);
     }
 
-    /// Restricts each map to errors in the sense of the operation. Errors in other senses are left out. Maps
+    /// Restricts each map to errors in the operation's own sense. Errors in other senses are left out. Maps
     /// are then computed several times faster.
     #[must_use]
     pub fn in_own_senses(mut self) -> Self {

@@ -4,7 +4,7 @@ use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Result of the check whether a surface bounds a solid: a solid, or one of two faults of the surface.
+/// Answer to the question whether a surface bounds a solid: a solid, or one of two faults of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,

@@ -21,8 +21,8 @@ pub const RESOLUTION: f64 = 1e-4;
 /// First contact on a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathHit {
-    /// Share of the path that is completed at the contact, from 0 to 1. Every move is an equal share of the
-    /// path, whatever its length.
+    /// Share of the path that is completed at the contact, from 0 to 1. Each move counts as an equal share of
+    /// the path, whatever the length of the move.
     pub at: f64,
     pub hit: Hit,
 }
@@ -39,15 +39,16 @@ pub struct PathSlack<'a> {
     /// Function that returns the largest motion, m, of equipment, fence or floor relative to the robot base.
     ///
     /// The argument is the index of the equipment. The index after the last piece of equipment denotes the
-    /// fence, and None denotes the floor. Without this function, equipment, fence and floor do not move.
+    /// fence, and None denotes the floor. If there is no such function, equipment, fence and floor do not
+    /// move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Function that returns an upper bound, m, of the decrease of the distance between two solids. The
     /// decrease comes from the deviations of robot and equipment.
     ///
     /// The first argument is a robot solid (an index into [`Scene::bounding_spheres`]). The second argument
-    /// is equipment or fence (an index as in [`Self::equipment`]). The check uses the bound, or the sum of
-    /// the deviations of the two solids if the sum is smaller. If the function returns None, the check uses
-    /// the sum.
+    /// is equipment or fence (an index as in [`Self::equipment`]). The check uses the smaller of two values:
+    /// this bound, and the sum of the deviations of the two solids. If the function returns None, the check
+    /// uses the sum.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
@@ -56,11 +57,11 @@ pub struct PathSlack<'a> {
 /// The robot may deviate from the path, and equipment may deviate from its placement. `slack` holds the
 /// upper bounds of these deviations.
 ///
-/// The robot must keep the clearance of the cell from equipment, fence and floor. Two solids of the robot
-/// must not touch, but need no clearance.
+/// The distance of the robot from equipment, fence and floor must be at least the clearance of the cell. Two
+/// solids of the robot must not touch, but need no clearance.
 ///
-/// The path consists of straight moves between the joint vectors `knots`, rad or m. A path without a move is
-/// not checked, and the result is None. For any other path, None proves that no pair of [`Scene::pairs`]
+/// The path consists of straight moves between the joint vectors in `knots`, rad or m. A path without a move
+/// is not checked, and the result is None. For any other path, None proves that no pair of [`Scene::pairs`]
 /// comes too near. The check of the robot base ([`Scene::base_hit`]) ignores `slack`. A reported contact may
 /// also be a near miss that the check does not resolve ([`RESOLUTION`]).
 pub fn first_hit(

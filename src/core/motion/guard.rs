@@ -114,8 +114,8 @@ impl Guard {
         self.transfer.as_ref().is_some_and(|rules| rules.via.contains(joints))
     }
 
-    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it,
-    /// m.
+    /// Returns the lengths (m) of the straight approach to the spot of an operation and of the retract from
+    /// this spot.
     pub fn approach_and_retract(&self, operation: usize) -> (f64, f64) {
         self.lengths[operation]
     }
@@ -136,8 +136,8 @@ impl Guard {
     /// Returns a lower bound of the [`singularity`] measure of a posture after a change of the scaled
     /// Jacobian. Returns None if this bound is at least as large as the margin.
     ///
-    /// The function `change` receives the length (m) by which all lengths in the Jacobian are divided.
-    /// The function returns an upper bound of the spectral norm of the change.
+    /// The function `change` receives the length (m) by which all lengths in the Jacobian are divided. The
+    /// result of `change` is an upper bound of the spectral norm of the change in the Jacobian.
     ///
     /// If a matrix changes, each singular value changes by at most the spectral norm of the change (H. Weyl
     /// 1912).
@@ -153,8 +153,8 @@ impl Guard {
         (least < self.singularity).then_some(least.max(0.0))
     }
 
-    /// Returns joint vectors that move the TCP back from a spot, against the direction of the tool axis, by
-    /// `length` (m).
+    /// Returns joint vectors that move the TCP back from a spot by `length` (m), against the direction of the
+    /// tool axis.
     pub fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;

@@ -53,7 +53,7 @@ impl TransferRoute {
 }
 
 impl Blocked {
-    /// Returns the hindrance on every route in words, with the names that the cell gives to its parts.
+    /// Describes in words the hindrance on every route, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |k: usize| shown(&cell.operations[k].name);
         let tries =

@@ -1,8 +1,8 @@
 //! Motion: continuous collision checking, straight approach and retract, and transfers between operations.
 //!
 //! The module also measures how far a posture is from joint limits and singularities. [`Guard`] holds the
-//! motion rules of a cell. A path consists of straight moves in joint coordinates, checked by [`first_hit`].
-//! A straight line of the TCP is approximated by short moves, which [`straight`] computes.
+//! motion rules of a cell. A path consists of straight moves in joint coordinates. The function [`first_hit`]
+//! checks a path. A straight line of the TCP is approximated by short moves, which [`straight`] computes.
 
 mod continuous_collision;
 mod guard;

@@ -33,7 +33,7 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 /// Reason why the TCP cannot follow a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stopped {
-    /// The joint `joint` is beyond its limit at the length `after` of the line, m.
+    /// The joint with the index `joint` is beyond its limit at the length `after` (m) along the line.
     Limit { joint: usize, after: f64 },
     /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach beyond this
     /// length, or the arm is singular.
@@ -42,7 +42,7 @@ pub enum Stopped {
 
 /// Returns joint vectors, beginning with `from`, that move the TCP along the vector `way` (base frame, m).
 ///
-/// The attitude is equal at all vectors. Each vector is computed near the vector before it, so that the
+/// The attitude is the same at all vectors. Each vector is computed near the vector before it, so that the
 /// branch does not change. All vectors after `from` and the straight moves between them are within the joint
 /// limits, with a tolerance of 1e-6 rad or m. The vector `from` itself is not checked. `reach` is a
 /// characteristic length of the arm, m.

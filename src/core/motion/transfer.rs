@@ -232,7 +232,8 @@ fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
 
 /// Returns the [`Transfer::travel`] of direct moves from posture to posture.
 ///
-/// Joint angles are first changed by whole turns to come nearest to the previous posture.
+/// Before that, joint angles are changed by whole turns, so that they are nearest to the angles of the
+/// previous posture.
 pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
     for stop in stops {

@@ -54,7 +54,7 @@ impl<'a> PoseAccuracyTest<'a> {
         })
     }
 
-    /// Returns the pose accuracy of the series whose parameters have the tolerances `spreads`.
+    /// Returns the pose accuracy of the series whose parameters have the tolerances in `spreads`.
     ///
     /// The tolerances are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same
     /// points of the low-discrepancy sequence, so the accuracy is a continuous function of the tolerances.

@@ -28,7 +28,8 @@ pub struct ErrorGuess {
     pub spreads: Vec<Spread>,
     /// Factor by which the given tolerances are multiplied.
     pub scale: f64,
-    /// Number of iterations that found [`Self::scale`]. Each iteration predicts the pose accuracy once.
+    /// Number of iterations of the search for [`Self::scale`]. Each iteration predicts the pose accuracy
+    /// once.
     pub steps: usize,
     /// Predicted pose accuracy with the scaled tolerances. This accuracy does not depend on the random errors
     /// of the joints.
@@ -38,7 +39,7 @@ pub struct ErrorGuess {
     pub scatter: Option<JointVector>,
 }
 
-/// Returns the tolerances `spreads`, scaled until the predicted accuracy is `ap` (m). Without `ap`, the
+/// Returns the tolerances in `spreads`, scaled until the predicted accuracy is `ap` (m). Without `ap`, the
 /// tolerances are not scaled.
 ///
 /// If `rp` is given, the joints have random errors that cause this repeatability (m). These errors are added

@@ -1,11 +1,11 @@
 //! Pose accuracy and repeatability as in ISO 9283, predicted from the tolerances of a robot.
 //!
 //! The standard measures five poses P1 to P5 in a diagonal plane of a cube. This cube is the largest one in
-//! the most used part of the working space. The poses are the centre of the cube, and four points at 10 % of
-//! the diagonal from its corners. The pose accuracy AP of one robot at one pose is the distance of the
-//! barycentre of the attained positions from the command position. Random errors move each attained position,
-//! but not the barycentre. AP therefore contains only the constant errors of the robot, and the repeatability
-//! RP contains the random errors:
+//! the most used part of the working space. One pose is at the centre of the cube. The other four poses are
+//! on the diagonals of the cube, each at a distance of 10 % of a diagonal from a corner. The pose accuracy AP
+//! of one robot at one pose is the distance of the barycentre of the attained positions from the command
+//! position. Random errors move each attained position, but not the barycentre. AP therefore contains only
+//! the constant errors of the robot, and the repeatability RP contains the random errors:
 //!
 //! ```text
 //! AP_p = |e_p - M_p|                 e_p = position error at pose p, M_p = motion of the fitted base frame

@@ -17,8 +17,8 @@ pub struct ErrorPreset {
     pub zero_mm: f64,
     /// Half width of the errors of link lengths and axial offsets, mm.
     pub length_mm: f64,
-    /// Half width of the errors of the twists and, between parallel axes, of the fifth parameter beta of
-    /// Hayati ([`Parameter::Dbeta`]), degrees.
+    /// Half width of the errors of the twists, degrees. Between parallel axes, this half width also applies
+    /// to the fifth parameter beta of Hayati ([`Parameter::Dbeta`]).
     pub twist_deg: f64,
     /// Source from which the tolerances are taken or estimated.
     pub source: &'static str,

@@ -118,7 +118,7 @@ pub enum WhyNot {
     Rotation,
     /// A parameter is not normally distributed, and the quantity is not the RMS.
     NotNormal,
-    /// The sense has more than three rows (components of error that count).
+    /// The sense has more than three rows (weighted components of the error).
     ManyRows,
     /// The value is a share of failures, which has no lower bound above 0.
     Share,
@@ -143,9 +143,9 @@ impl WhyNot {
             Self::Relative => "its error is relative to the operation that picks the part",
             Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel the errors of the robot",
-            Self::ToolAxes => "its sense is stated in axes of the tool",
-            Self::SurfaceAxes => "its sense is stated in axes of a surface that can rotate",
-            Self::WorldAxes => "its sense is stated in axes of the world, and the robot base can rotate",
+            Self::ToolAxes => "its sense is given in the axes of the tool",
+            Self::SurfaceAxes => "its sense is given in the axes of a surface that can rotate",
+            Self::WorldAxes => "its sense is given in the axes of the world, and the robot base can rotate",
             Self::Rotation => "its sense includes rotations, which have no bound in this model and reading",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three components",
@@ -193,7 +193,7 @@ pub enum Covers {
 }
 
 impl Covers {
-    /// Returns the word for this variant as documents state it, for example `everything`.
+    /// Returns the word for this variant as it appears in documents, for example `everything`.
     pub fn name(self) -> &'static str {
         match self {
             Covers::Everything => "everything",
@@ -249,7 +249,7 @@ impl Proof {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }
 
-    /// Returns a description, in words, of what the bound covers and assumes.
+    /// Describes in words what the bound covers and what it assumes.
     pub fn in_words(&self, workcell: &Workcell) -> String {
         let missing: Vec<String> = self
             .operations

@@ -285,8 +285,8 @@ fn in_space(rows: &[Row], entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
 ///
 /// Let `<A, S>` be the sum of the products of corresponding entries. For the RMS, `<A, S> <= quantity(S)^2`
 /// holds for every S. For a percentile, this inequality holds for every S if the squared percentile is a
-/// convex function of S. We know no proof of this convexity. For the mean, the inequality does not hold for
-/// every S.
+/// convex function of S. We know of no proof of this convexity. For the mean, the inequality does not hold
+/// for every S.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {

@@ -47,7 +47,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Least number of layout evaluations for which the computation of value fields saves time. Computing the
-/// fields of a cell takes at most the time of two thousand evaluations.
+/// fields of a cell takes at most as long as two thousand evaluations.
 pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;

@@ -49,8 +49,8 @@ pub struct Shot {
     pub width: usize,
     pub height: usize,
     pub view: ViewDirection,
-    /// Whether the projection is in perspective; otherwise it is parallel. SVG always uses parallel
-    /// projection.
+    /// Whether the picture uses perspective projection; otherwise the projection is parallel. SVG always uses
+    /// parallel projection.
     pub perspective: bool,
     pub show: Show,
     /// Index into [`Drawing::lenses`]. The entry is the combination of error model and reading
@@ -62,7 +62,7 @@ pub struct Shot {
     pub envelope: bool,
     /// Whether equipment names and spot values are drawn.
     pub labels: bool,
-    /// Whether a title above and a legend below are drawn.
+    /// Whether a title is drawn above the scene, and a legend below the scene.
     pub legend: bool,
     pub dark: bool,
 }

@@ -54,7 +54,7 @@ pub(super) fn with_spin_step(index: u64, step: u64) -> u64 {
     without_spin_step(index) | step << SPIN_SHIFT
 }
 
-/// Class of solvers of the inverse kinematics by their computing time.
+/// Class of an inverse kinematics solver according to its computing time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
     /// Solver that takes tens of nanoseconds per target.

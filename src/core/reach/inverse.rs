@@ -95,7 +95,7 @@ impl Inverse {
         self.fixed_elevation
     }
 
-    /// Returns the class of the solver by its computing time per target.
+    /// Returns the class of the solver according to its computing time per target.
     pub fn cost(&self) -> Cost {
         match &self.solver {
             ChainSolver::Planar(_) => Cost::Low,
@@ -112,7 +112,7 @@ impl Inverse {
         attitudes
     }
 
-    /// Writes the result of [`Self::tool_attitudes`] into `attitudes`, and reuses its memory.
+    /// Writes the result of [`Self::tool_attitudes`] into `attitudes`, and reuses the memory of `attitudes`.
     pub fn set_attitudes(&self, attitudes: &mut ToolAttitudes, attitude: &Attitude, yaw: f64) {
         let ToolAttitudes { set, planar } = attitudes;
         set.update(attitude, yaw, self.fixed_elevation);

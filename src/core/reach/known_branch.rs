@@ -10,7 +10,7 @@ use crate::robot::Posture;
 use nalgebra::Vector3;
 
 impl Inverse {
-    /// Returns the posture of the branch with index `wanted`, which [`Self::visit`] has found; None if no
+    /// Returns the posture of the branch whose index is `wanted`, which [`Self::visit`] has found; None if no
     /// such branch exists.
     pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         if self.is_between_spins(wanted) {
@@ -44,7 +44,7 @@ impl Inverse {
         found
     }
 
-    /// Returns the branch with index `wanted`, which [`Self::visit`] has found; None if no such branch
+    /// Returns the branch whose index is `wanted`, which [`Self::visit`] has found; None if no such branch
     /// exists.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
@@ -54,8 +54,8 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, attitudes))
     }
 
-    /// Returns the branch with index `wanted`, even if it violates joint limits. The numeric solver is not
-    /// supported.
+    /// Returns the branch whose index is `wanted`, even if it violates joint limits. The numeric solver is
+    /// not supported.
     ///
     /// # Errors
     /// If no branch has this index, returns the distance, m, by which the target is out of reach. The index
@@ -95,8 +95,8 @@ impl Inverse {
         found.ok_or(by)
     }
 
-    /// Returns the posture of the branch with index `wanted` if it stays within the joint limits and meets
-    /// the required attitude; otherwise None.
+    /// Returns the posture of the branch whose index is `wanted`. Returns None if no posture with this index
+    /// stays within the joint limits and meets the required attitude.
     pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
     }

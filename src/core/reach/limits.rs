@@ -16,7 +16,7 @@ const COSINE_TOLERANCE: f64 = 1e-12;
 /// Tolerance of the limit of a prismatic joint, m.
 const SLIDE_TOLERANCE: f64 = 1e-9;
 
-/// Index of the joint that exceeds its limit the most, and the excess `by` (rad or m).
+/// Index of the joint that exceeds its limit the most, and the amount of this excess in `by` (rad or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitViolation {
     pub joint: usize,

@@ -126,7 +126,7 @@ impl Inverse {
         attitudes.set.heading(target)
     }
 
-    /// Starts the numeric solver at the joint coordinates `from`, and returns the branch that it finds at
+    /// Starts the numeric solver at the joint coordinates in `from`, and returns the branch that it finds at
     /// `target`.
     ///
     /// If the arm has six or more joints, the tool rotates by `turn` (rad) about the vertical and otherwise

@@ -134,8 +134,8 @@ impl Inverse {
         if any { Gap { reach: 0.0, limits: 0.0 } } else { least }
     }
 
-    /// Calls `found` with the usable branches of a redundant arm between the sampled values of the redundant
-    /// joint. The caller must make sure that no sample has a usable branch.
+    /// For a redundant arm, calls `found` with the usable branches between the sampled values of the
+    /// redundant joint. The caller must make sure that no sample has a usable branch.
     ///
     /// `is_solved` is true if the target is within reach at a sample when the joint limits are ignored. For
     /// an arm without a redundant joint, the function finds no branch. This function finds the same branches

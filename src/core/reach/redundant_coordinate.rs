@@ -75,8 +75,9 @@ impl Inverse {
     /// Returns the index of the branch after a motion along a redundant coordinate.
     ///
     /// The motion is `share` times the distance between neighbouring samples of the coordinate. The motion is
-    /// rounded to whole steps of a lattice. The lattice divides this distance into `HeldJoint::SAMPLE_STEP`
-    /// equal steps (redundant joint), or into `SPIN_STEPS` equal steps (spin).
+    /// rounded to whole steps of a lattice. Between neighbouring samples, the lattice has
+    /// `HeldJoint::SAMPLE_STEP` equal steps for the redundant joint, and `SPIN_STEPS` equal steps for the
+    /// spin.
     ///
     /// Returns None if the coordinate is not redundant ([`Self::is_redundant`]), or if the new value lies
     /// outside the range of the redundant joint.
@@ -109,7 +110,7 @@ impl Inverse {
         }
     }
 
-    /// Returns the index of the branch in the middle between two branches of the same family
+    /// Returns the index of the branch halfway between two branches of the same family
     /// ([`SamplePosition::family`]). If the spin is free, the result has the spin in the middle of the
     /// shorter arc between the two spins.
     pub fn between(&self, from: u64, to: u64, attitudes: &ToolAttitudes) -> u64 {

@@ -101,8 +101,8 @@ impl RefinedSolver {
         }
     }
 
-    /// Returns a phrase that names the family of a redundant arm. This solver solves all joints of the arm
-    /// except the redundant joint.
+    /// Returns a phrase that names the family of a redundant arm. This solver solves for all joints of the
+    /// arm except the redundant joint.
     ///
     /// The redundant joint is the first joint if `first_is_free` is true, otherwise the last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {

@@ -32,12 +32,12 @@ pub struct ToolTask {
     /// the number of active joints.
     pub rows: usize,
     /// Indices of the joints that follow the target; the other joints do not move. Only the first `rows`
-    /// entries count.
+    /// entries are used.
     pub active: [usize; MAX_ROWS],
     /// Controlled components of the rotation.
     ///
     /// Each entry holds a component and its required rate. This rate applies if the reference azimuth
-    /// ([`Inverse::heading`]) rotates at 1 rad/s. Only the first `rows - 3` entries count.
+    /// ([`Inverse::heading`]) rotates at 1 rad/s. Only the first `rows - 3` entries are used.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the reference azimuth ([`Inverse::heading`]) is the direction from the base axis to the
     /// target. Otherwise, this azimuth is fixed in the surface.

@@ -149,7 +149,7 @@ impl ErrorSources {
     /// Returns the algorithm that computes the position error at the corners of the tolerance box.
     ///
     /// Returns None for sources of equipment, for elastic or periodic errors, and for more than 128 sources.
-    /// Returns None also if one small motion of the chain depends on several sources.
+    /// Also returns None if one small motion of the chain depends on several sources.
     pub fn corner_walk(&self, chain: &Chain) -> Option<TwoValuedWalk> {
         let parameters: Option<Vec<usize>> = self.list.iter().map(|source| source.robot).collect();
         TwoValuedWalk::new(chain, &parameters?)

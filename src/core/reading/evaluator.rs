@@ -266,7 +266,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the error of a sample by a model, in the base frame; `values` holds one value per source.
+    /// Returns the error of a sample according to a model, in the base frame; `values` holds one value per
+    /// source.
     pub fn error_of(
         &self,
         values: &[f64],
@@ -331,7 +332,7 @@ impl ErrorEvaluator {
         self.reported = vec![self.sense.clone()];
     }
 
-    /// Returns the index of the operation's sense among the senses [`ErrorEvaluator::reported`].
+    /// Returns the index of the operation's sense among the senses in [`ErrorEvaluator::reported`].
     pub fn own(&self) -> usize {
         self.reported.iter().position(|s| *s == self.sense).unwrap_or(0)
     }

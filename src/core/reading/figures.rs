@@ -66,7 +66,7 @@ pub struct PostureErrors {
     pub linear: Displacement,
     /// Error by the second-order model, base frame, for the sample or corner that `error` refers to.
     pub second_order: Displacement,
-    /// Figures of each sense of [`super::ErrorEvaluator::reported`].
+    /// Figures of each sense in [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,
     /// Probability that the size of the error does not exceed the limit. None without a limit, or if the
     /// errors are not tolerances ([`super::ErrorEvaluator::has_tolerances`]).

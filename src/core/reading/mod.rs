@@ -1,9 +1,9 @@
 //! Tolerance analysis: the error of an operation for a signed sample, a tolerance box or a distribution.
 //!
-//! The seed paper, from which this project grew, maps one signed sample of the parameter errors (section 2).
-//! If the error set gives tolerances, they bound a box of samples. The worst-case reading takes the worst
-//! sample of this box. If the errors are random variables, the statistical reading gives statistics of the
-//! error, for example the root sum square (RSS):
+//! The seed paper, from which this project grew, computes the error for one signed sample of the parameter
+//! errors (section 2). If the error set gives tolerances, they bound a box of samples. The worst-case reading
+//! takes the worst sample of this box. If the errors are random variables, the statistical reading gives
+//! statistics of the error, for example the root sum square (RSS):
 //!
 //! ```text
 //! signed        |e|                        e = error of the sample by the model

@@ -5,9 +5,9 @@
 //! This is a generalized chi distribution. The Laplace transform of the density of `|e|^2` has a closed form,
 //! and the inverse transform gives the probability `P(|e| <= c)`. No moments are fitted. For normal
 //! parameters the probability is accurate to 1e-10, for any ratios of the eigenvalues of the covariance. For
-//! other parameters, the fourth and sixth cumulants correct the transform to second order. In three
-//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. If
-//! even fewer uniform or triangular parameters dominate, [`NormLaw`] uses a [`ConditionalNorm`] instead.
+//! parameters that are not normal, the fourth and sixth cumulants correct the transform to second order. In
+//! three dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five.
+//! If a few uniform or triangular parameters dominate, [`NormLaw`] uses a [`ConditionalNorm`] instead.
 
 mod bromwich;
 mod centred;
@@ -45,8 +45,8 @@ impl NormDistribution {
     ///
     /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
     /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have an
-    /// excess kurtosis of 0. A negative excess kurtosis must belong to a sum of equal uniform variables: -1.2
-    /// for one (uniform), -0.6 for two (triangular).
+    /// excess kurtosis of 0. A negative excess kurtosis must be that of a sum of equal uniform variables,
+    /// such as -1.2 for one variable (uniform distribution) or -0.6 for two (triangular distribution).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },

@@ -43,7 +43,7 @@ impl WorkContext {
     ///
     /// The taught frame removes all or a part of the error at a touched point. No error remains at the
     /// origin. An error along the x axis remains at the second point. An error in the xy plane remains at the
-    /// third point. These errors do not represent the errors on the surface outside the touched points.
+    /// third point. These remaining errors do not represent the errors elsewhere on the surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

@@ -58,7 +58,7 @@ impl ErrorEvaluator {
     }
 
     /// Converts a corner of the local search to signs of the sources. The local search treats the mean error
-    /// as one more source with a sign. If this sign is -1, the function reverses all signs.
+    /// as an additional source, which also has a sign. If this sign is -1, the function reverses all signs.
     pub fn signs_of_sources(&self, signs: &[f64; MAX_SOURCES]) -> [f64; MAX_SOURCES] {
         if self.is_reversed(signs) { signs.map(|sign| -sign) } else { *signs }
     }
@@ -66,8 +66,8 @@ impl ErrorEvaluator {
     /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
     ///
     /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the
-    /// search for the worst corner treats the mean as one more source with a free sign. This sign is stored
-    /// after the signs of the sources.
+    /// search for the worst corner treats the mean as an additional source whose sign is free. This sign is
+    /// stored after the signs of the sources.
     pub fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
         self.mean.is_some() && signs[self.sources.list.len()] < 0.0
     }

@@ -2,13 +2,13 @@
 //!
 //! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
-//! The maximum is the largest norm of the summed effects if each source is at one end of its tolerance. If a
-//! vertex is farthest, the direction from the origin to this vertex lies in the normal cone of the vertex.
-//! The planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
-//! suffices to visit every cell:
+//! The maximum is the largest norm that the sum of all effects can have if each source is at one end of its
+//! tolerance. If a vertex is farthest, the direction from the origin to this vertex lies in the normal cone
+//! of the vertex. The planes perpendicular to the generators cut the sphere of directions into cells, one per
+//! vertex. So it suffices to visit every cell:
 //!
-//! - 2-D: a direction rotates by half a turn. Whenever this direction is perpendicular to a generator, the
-//!   sign of the generator flips.
+//! - 2-D: a direction is rotated through half a turn. Whenever it is perpendicular to a generator, the sign
+//!   of this generator flips.
 //! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle. A walk along each
 //!   circle, as in 2-D, visits the cells on both sides (`circle_walk`). If all joint axes are parallel, every
 //!   generator lies in one plane or along its normal. Then a 2-D walk in this plane suffices.

@@ -43,7 +43,7 @@ pub enum MovableBody {
 }
 
 impl MovableBody {
-    /// Returns the name of this body as documents and pictures state it, for example `robot base`.
+    /// Returns the name of this body as it appears in documents and pictures, for example `robot base`.
     pub fn name(self, cell: &Cell) -> &str {
         match self {
             Self::Base => "robot base",
@@ -67,11 +67,11 @@ pub enum RoomEnd {
 }
 
 impl RoomEnd {
-    /// Describes the reason with the names of the cell. The text continues the words "limited by".
+    /// Describes the reason in words, with names from the cell. The text continues the words "limited by".
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Range => "the range of the search".into(),
-            Self::Window => "only the end of the examined range".into(),
+            Self::Window => "nothing within the examined range".into(),
             Self::Held(ending) => ending.in_words(cell),
         }
     }
@@ -115,9 +115,9 @@ pub struct Regions {
     /// Regions of the pieces with a coordinate that the search varies over a range. A cell without search
     /// variables has a region for each piece with a placement tolerance.
     pub pieces: Vec<Region>,
-    /// Angles by which the pieces may be rotated as one body about the base axis. A piece rotates if its x, y
-    /// and yaw have ranges. None if x, y or yaw of the equipment under an operation has no range. If
-    /// equipment stands on other equipment, the lowest piece of the stack must have these ranges.
+    /// Angles by which the pieces may be rotated as one body about the base axis. Only pieces whose x, y and
+    /// yaw have ranges are rotated. If equipment stands on other equipment, the lowest piece of the stack
+    /// must have these ranges. None if x, y or yaw of the equipment under an operation has no range.
     pub whole: Option<WholeTurn>,
 }
 

@@ -21,8 +21,8 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason why the rotation ends in the direction that allows less rotation. If both directions allow
-    /// equal rotations, the reason belongs to the negative direction.
+    /// Reason why the pieces cannot be rotated farther in the direction that allows less rotation. If both
+    /// directions allow equal rotations, the reason refers to the negative direction.
     pub ended: RoomEnd,
 }
 

@@ -173,7 +173,7 @@ impl Chain {
         posture
     }
 
-    /// Returns the axial offset r of the D-H row `i` at actuator coordinates `q` (rad or m), m.
+    /// Returns the axial offset r (m) of D-H row `i` at the actuator coordinates `q` (rad or m).
     pub fn offset(&self, i: usize, q: &JointVector) -> f64 {
         match self.links[i].kind {
             JointKind::Revolute => self.links[i].r,
@@ -186,7 +186,8 @@ impl Chain {
         self.coupling[i].iter().zip(q).map(|(c, q)| c * q).sum()
     }
 
-    /// Returns `posture` with `by` (rad or m) added to its D-H coordinates (theta or r).
+    /// Returns a copy of `posture` with the values in `by` (rad or m) added to the D-H coordinates (theta or
+    /// r).
     pub fn displaced(&self, posture: &Posture, by: &JointVector) -> Posture {
         let mut displaced = *posture;
         for (i, link) in self.links.iter().enumerate() {

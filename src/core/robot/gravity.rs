@@ -22,7 +22,7 @@ pub fn lever(frames: &Frames, joint: usize, link: usize) -> f64 {
     about_axis(frames, joint, &along)
 }
 
-/// Returns the gravity torque of all masses that a joint carries, about the axis of the joint, N m.
+/// Returns the torque about a joint axis that the weights of all masses carried by the joint cause, N m.
 pub fn gravity_torque(frames: &Frames, loads: &Loads, joint: usize) -> f64 {
     let origin = frames.links[joint].translation;
     let carried = loads.iter().zip(&frames.links).skip(joint + 1).filter(|(load, _)| load.mass > 0.0);

@@ -3,8 +3,8 @@
 use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 
-/// Masses that move with each Denavit-Hartenberg frame: entry k for the frame after link k, entry 0 for the
-/// base, which no joint carries.
+/// Masses that move with each Denavit-Hartenberg frame. Entry k belongs to the frame after link k. Entry 0
+/// belongs to the base, which no joint carries.
 pub type Loads = [CarriedMass; MAX_JOINTS + 1];
 
 /// Masses that move with one frame.
@@ -12,7 +12,7 @@ pub type Loads = [CarriedMass; MAX_JOINTS + 1];
 pub struct CarriedMass {
     /// Total mass, kg.
     pub mass: f64,
-    /// Sum, over all masses, of the mass times the position of its centre in the frame, kg m.
+    /// Sum of all masses, each multiplied by the position of its centre in the frame, kg m.
     pub moment: Vector3<f64>,
 }
 

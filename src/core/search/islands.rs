@@ -94,8 +94,8 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
 ///
 /// The best layout and the reason why the search ended come from the best island ([`best_island`]). The
 /// numbers of evaluations are added. The trace lists the improvements as if one search had run the islands in
-/// turn. Pareto fronts are merged into the front of all their members. Shortlists are merged into the best
-/// layouts that differ from each other.
+/// turn. Pareto fronts are merged into the front of all their members. The merged shortlist holds the best
+/// layouts of all shortlists that differ from each other.
 pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Option<SearchRecord> {
     let best = &islands[best_island(islands)?];
     let settings = &workcell.cell.search;

@@ -103,7 +103,7 @@ impl SearchRecord {
     }
 
     /// Returns the relative gap between the objective of the best layout and the lower bound: `objective /
-    /// bound - 1`. Returns None without a feasible layout or without a positive bound.
+    /// bound - 1`. Returns None if there is no feasible layout or no positive bound.
     pub fn gap(&self) -> Option<f64> {
         let best = self.best.evaluation.objective?;
         self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)

@@ -57,7 +57,7 @@ pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 /// Cost function on the unit cube, with a budget of evaluations.
 ///
 /// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. The
-/// function returns no error for this purpose, because the Nelder-Mead solver of argmin panics on an error.
+/// function does not return an error instead, because the Nelder-Mead solver of argmin panics on an error.
 /// The record keeps the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,

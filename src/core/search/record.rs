@@ -70,7 +70,8 @@ pub struct Record {
     /// Pareto front; None unless the search is a Pareto search.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub front: Option<ParetoFront>,
-    /// Shortlist of the best layouts; None in a Pareto search, and if only the best layout is kept.
+    /// Shortlist of the best layouts; None in a Pareto search, and in a search that keeps only the best
+    /// layout.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shortlist: Option<Shortlist>,
 }

@@ -83,7 +83,8 @@ impl<'c> SearchSpace<'c> {
         (from..point.len()).flat_map(beside).collect()
     }
 
-    /// Returns one point per layout if all variables have listed values and at most `most` layouts exist.
+    /// Returns one point per layout if all variables have listed values and there are no more than `most`
+    /// layouts.
     ///
     /// Otherwise returns None.
     pub fn every_point(&self, most: u64) -> Option<Vec<Vec<f64>>> {
@@ -101,8 +102,8 @@ impl<'c> SearchSpace<'c> {
 
     /// Returns the layout that a point of the unit cube represents.
     ///
-    /// Points outside the unit cube are mirrored at its faces, so every point has a layout. Coordinates are
-    /// rounded to multiples of the resolution of the search.
+    /// Points outside the unit cube are mirrored at its faces, so every point represents a layout.
+    /// Coordinates are rounded to multiples of the resolution of the search.
     pub fn layout(&self, point: &[f64]) -> Layout {
         self.cell.layout(|slot, coordinate| {
             let place = self.variables.iter().position(|(s, _)| *s == slot);

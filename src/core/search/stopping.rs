@@ -23,7 +23,7 @@ pub enum SearchEnd {
     /// The search used up its budget, or its final refinement converged. The final refinement improves the
     /// layouts that the search found.
     Done,
-    /// The objective of the best layout is within the requested gap from the proven lower bound.
+    /// The objective of the best layout exceeds the proven lower bound by at most the requested gap.
     Gap,
     /// The requested number of evaluations brought no significant improvement. A significant improvement
     /// lowers the cost by more than 1e-6 of the cost, or adds a member to the Pareto front.
@@ -42,7 +42,7 @@ pub enum SearchEnd {
 }
 
 impl SearchEnd {
-    /// Returns the name of this reason as documents state it, for example `time-limit`.
+    /// Returns the name of this reason as it is written in documents, for example `time-limit`.
     pub fn name(self) -> &'static str {
         match self {
             SearchEnd::Done => "done",
@@ -62,7 +62,7 @@ impl SearchEnd {
             SearchEnd::Gap => {
                 "the objective of the best layout exceeds the lower bound by at most the requested gap"
             }
-            SearchEnd::Stagnation => "no better layout was found for the requested number of evaluations",
+            SearchEnd::Stagnation => "no better layout was found within the requested number of evaluations",
             SearchEnd::Interrupted => "interrupted",
             SearchEnd::TimeLimit => "the time limit was reached",
             SearchEnd::Diverged => "the search could not reproduce the checkpoint",

@@ -3,9 +3,9 @@
 /// Returns groups of points, as indices. The coordinates of every member differ from those of the first
 /// member by at most `tolerance`.
 ///
-/// The first point without a group, in the order of the list, begins a group. All points near it that have no
-/// group join this group. The groups and their members are in the order of the list. All points must have the
-/// same number of coordinates.
+/// The first point without a group, in the order of the list, begins a group. All points near this point that
+/// have no group yet join its group. The groups and their members are in the order of the list. All points
+/// must have the same number of coordinates.
 pub fn clusters<P: AsRef<[f64]>>(points: &[P], tolerance: f64) -> Vec<Vec<usize>> {
     let spread = |k: usize| {
         let all = points.iter().filter_map(|p| p.as_ref().get(k));

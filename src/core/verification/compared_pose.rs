@@ -3,7 +3,7 @@
 use crate::cell::JointVector;
 use nalgebra::Vector3;
 
-/// One measured position beside its prediction; vectors are in the base frame of the robot, m.
+/// One measured position and its prediction. All vectors are in the base frame of the robot, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedPose {
     /// Row of the measurement file, counted from 1.

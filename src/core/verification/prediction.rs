@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// Errors of the robot of a cell, as the cell interprets them: a mean, and random deviations from it.
 ///
 /// A signed sample (errors with known signs) is a mean without deviations. Tolerances are random deviations
-/// about 0, as in the statistical reading. Measured errors have both.
+/// about 0, as in the statistical reading. Measured errors have both a mean and random deviations.
 pub struct PredictedErrors {
     chain: Chain,
     model: Model,

@@ -61,7 +61,7 @@ impl Repeatability {
         self.postures.iter().map(|posture| posture.repeatability).fold(0.0, f64::max)
     }
 
-    /// Returns the least number of visits of a repeated posture.
+    /// Returns the number of visits of the repeated posture with the fewest visits.
     pub fn least_visits(&self) -> usize {
         self.postures.iter().map(|posture| posture.visits).min().unwrap_or(0)
     }

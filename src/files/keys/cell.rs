@@ -34,13 +34,13 @@ key_table! {
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Relative difference up to which two objectives count as equally good. The lexicographic objective divides values into steps of this relative width. If the values of an operation in two layouts are in the same step, the next operation decides.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Largest number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives identical results.").default(Literal::Whole(DEFAULT_SEARCH.seed));
-        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
+        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances are ignored, and no clearance, margin or tolerance is assumed.");
         RESOLUTION_MM = number("resolution_mm", NumberRange::Positive, "Step of lengths: in the layouts that a search finds, x, y and z are multiples of this length. If left out, it is 1, or 0.001 with `ideal`.").example("1");
         RESOLUTION_DEG = number("resolution_deg", NumberRange::Positive, "Step of angles: in the layouts that a search finds, angles are multiples of this angle. If left out, it is 0.1, or 0.0001 with `ideal`.").example("0.1");
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Whether to minimize a proven upper bound of the value over the placement tolerances, instead of the value at the exact placements.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop when this number of evaluations in succession has brought no improvement.").example("5000");
-        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Goals of a search for the Pareto front: the layouts that no other layout beats in every goal.").example("[\"error\", \"clearance\"]");
+        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Goals of a search for the Pareto front. On this front, no goal can be improved without making another goal worse.").example("[\"error\", \"clearance\"]");
         KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report. The reported layouts are the best ones that clearly differ from each other.").example("5");
     }
 }
@@ -67,14 +67,14 @@ key_table! {
         SOURCE = super::SOURCE;
         ERRORS = text("errors", "Name of the robot's error set to evaluate.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
-        READING = word::<Reading>("reading", "Interpretation of the errors: one signed sample, the worst corner of tolerances, or random variables. If left out, it is worst-case if an error set in use states tolerances, otherwise signed.");
+        READING = word::<Reading>("reading", "Interpretation of the errors: one signed sample, the worst corner of tolerances, or random variables. The default is worst-case if an error set in use states tolerances, and signed otherwise.");
         QUANTITY = word::<Quantity>("quantity", "Statistic that a search minimizes in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
         REGISTRATION = word::<Registration>("registration", "Frames that were measured with the robot itself: none, the base frame of the robot, or the frame of each surface. A measured base frame is the least-squares fit to the TCP position errors in all postures within the joint limits.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: threshold for the difference between an error model and the nonlinear model. If the difference is greater, reports warn that the error model cannot be trusted.").default(Literal::Number(1.0));
         ROBOT = table("robot", &robot_in_cell::TABLE, "Robot and the placement of its base.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
         EQUIPMENT = Key::new("equipment", ValueKind::Named(&ValueKind::Table(&equipment::TABLE), 0), "Equipment of the cell: one table [equipment.NAME] for each piece.");
         OBSTACLE = Key::new("obstacle", ValueKind::Named(&ValueKind::Table(&obstacle::TABLE), 0), "Obstacles: one table [obstacle.NAME] for each.");
-        KEEP_OUT = Key::new("keep_out", ValueKind::Named(&ValueKind::Table(&keep_out::TABLE), 0), "Boxes that equipment, robot, tool and held parts must not enter: one table [keep_out.NAME] for each.");
+        KEEP_OUT = Key::new("keep_out", ValueKind::Named(&ValueKind::Table(&keep_out::TABLE), 0), "Keep-out boxes for equipment, robot, tool and held parts: one table [keep_out.NAME] for each box.");
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys `on`, `grid`, `bend_deg` and `sense`");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");

@@ -17,7 +17,7 @@ key_table! {
 
 key_table! {
     transfer, "transfer rules", "Collision check of two kinds of motions: from one operation to the next, and from one listed point of an operation to the next.", {
-        CHECK = boolean("check", true, "Whether these two kinds of motions are checked for collisions: from one operation to the next, and from one listed point of an operation to the next.");
+        CHECK = boolean("check", true, "Whether two kinds of motions are checked for collisions: from one operation to the next, and from one listed point of an operation to the next.");
         LIFT = number_or_zero("lift_mm", NumberRange::NotNegative, "Largest lift of the tool to pass over obstacles.");
         VIA = Key::new("via", ValueKind::Either(&[POSTURE, ValueKind::List(&POSTURE, (0, UNBOUNDED), "postures")]), "Via posture, or list of via postures, in degrees and mm; if left out, the home posture. If the direct motion and the lifted motion fail, motions through these postures are tried, one posture at a time.").example("[[0, 0, 0, 0], [90, -10, 10, 20.5]]");
         CYCLE = boolean("cycle", false, "Whether the motion from the last operation back to the first is checked.");

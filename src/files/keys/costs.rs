@@ -51,12 +51,12 @@ key_table! {
 
 key_table! {
     tolerance_cost, "a cost", "Cost of tolerances. `allocate` uses these costs to find the cheapest set of tolerances. The scale is the tolerance divided by the tolerance in the error set.", {
-        PARAMETERS = Key::new("parameters", ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "names"), "Parameters that have this cost; a separate tolerance is chosen for each. If left out, all parameters that no other cost names.").example("[\"dl2\", \"dalpha3\"]");
+        PARAMETERS = Key::new("parameters", ValueKind::List(&ValueKind::Text, (1, UNBOUNDED), "names"), "Parameters that have this cost; a separate tolerance is chosen for each. If left out, the cost applies to all parameters that no other cost lists.").example("[\"dl2\", \"dalpha3\"]");
         FORM = word::<CostForm>("kind", "reciprocal: cost = `at` / scale^`power`; exponential: cost = `at` exp(-`rate` (scale - 1)); grades: processes with tolerances and costs; iso-286: grades of ISO 286, each with the cost `at` / scale^`power`.").required();
         AT = number("at", NumberRange::Positive, "Cost of the tolerance in the error set, in any currency.").default(Literal::Number(1.0));
         POWER = number("power", NumberRange::Positive, "Exponent of a reciprocal cost, at most 10.").default(Literal::Number(1.0));
         RATE = number("rate", NumberRange::Positive, "Rate of an exponential cost, at most 20.").default(Literal::Number(1.0));
-        RANGE = Key::new("scale_range", ValueKind::List(&POSITIVE, (2, 2), "numbers"), "Least and greatest scale that can be ordered, from 0.01 to 100; if left out, [0.1, 3].").example("[0.1, 3]");
+        RANGE = Key::new("scale_range", ValueKind::List(&POSITIVE, (2, 2), "numbers"), "Least and greatest scale that can be chosen, from 0.01 to 100; if left out, [0.1, 3].").example("[0.1, 3]");
         GRADES = Key::new("grades", ValueKind::List(&ValueKind::Table(&tolerance_grade::TABLE), (1, 32), "grades"), "Grades to choose from.").example("[{ name = \"milled\", scale = 1, cost = 1 }, { name = \"ground\", scale = 0.5, cost = 4 }]");
         NOMINAL = number("nominal_mm", NumberRange::Positive, "Nominal size of the length that has the tolerance, at most 3150. The tolerance of a grade of ISO 286 depends on this size.").example("400");
         IT_GRADES = Key::new("it_grades", ValueKind::List(&ValueKind::Whole(FIRST_IT_GRADE as u64, LAST_IT_GRADE as u64), (1, LAST_IT_GRADE - FIRST_IT_GRADE + 1), "grades"), "Grades of ISO 286 to choose from, IT4 to IT14; the tolerance is half of the interval that the grade allows. If left out, IT5 to IT12.").example("[6, 7, 8, 9]");

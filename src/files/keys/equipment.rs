@@ -79,7 +79,7 @@ key_table! {
 }
 
 key_table! {
-    keep_out, "a keep-out box", "Box, fixed in the world, that equipment, robot, tool and held parts must not enter. Obstacles are allowed inside the box.", {
+    keep_out, "a keep-out box", "Keep-out box, fixed in the world. Equipment, robot, tool and held parts must not enter it, but obstacles are allowed inside.", {
         MIN = vector("min_mm", "Corner with the least x, y and z, in the world frame.").required();
         MAX = vector("max_mm", "Corner with the greatest x, y and z, in the world frame.").required();
     }

@@ -110,7 +110,7 @@ key_table! {
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint under the weight of everything at and beyond the end of a link. The deflection is deg_per_m times the horizontal lever of this link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number of the D-H row of the link whose horizontal lever counts: the row of the joint or a later row. The link extends from the frame before this row to the frame after it.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number of the D-H row of the link whose horizontal lever is used: the row of the joint or a later row. The link extends from the frame before this row to the frame after it.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
@@ -170,9 +170,9 @@ key_table! {
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames. Each error moves its joint and everything after the joint. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
-        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, UNBOUNDED), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each deflection depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
+        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, UNBOUNDED), "elastic terms"), "Deflections of joints by gravity, as identified by a calibration; each deflection depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
         COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque that the weights of links, tool and held part exert; one for each joint, 0 for a prismatic joint.");
-        PERIODIC = Key::new("periodic", ValueKind::List(&ValueKind::Table(&periodic_error::TABLE), (0, MAX_JOINTS), "periodic errors"), "Periodic errors of joints, as a calibration identifies them; for robots without joint coupling.").example("[{ joint = 1, cos_deg = [0.004, 0], sin_deg = [0, -0.01] }]");
+        PERIODIC = Key::new("periodic", ValueKind::List(&ValueKind::Table(&periodic_error::TABLE), (0, MAX_JOINTS), "periodic errors"), "Periodic errors of joints, as identified by a calibration; for robots without joint coupling.").example("[{ joint = 1, cos_deg = [0.004, 0], sin_deg = [0, -0.01] }]");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");

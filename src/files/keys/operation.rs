@@ -57,7 +57,7 @@ const DIVISIONS: ValueKind =
     ValueKind::List(&ValueKind::Whole(1, MAX_NODES / 2 - 1), (2, 2), "whole numbers");
 
 key_table! {
-    operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that counts.", {
+    operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that is assessed.", {
         ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add the key on = \"NAME\", where NAME is the equipment with the work surface");
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, the whole surface.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
@@ -66,8 +66,8 @@ key_table! {
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: angle from the x axis of the surface to the tool axis, seen from above. If the tool is vertical, the spin is measured from the azimuth. A number, a range, a list, \"radial\" (in the vertical plane through the axis of the robot base) or \"free\".").default(Literal::Word("free"));
-        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed rotation about the tool axis. The reference axis is the first TCP axis perpendicular to the tool axis. At spin 0, it points up as far as possible, or along the azimuth if the tool points down. A number, a range, a list, or \"free\".").default(Literal::Word("free"));
-        TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Largest allowed angle between the tool axis and the direction that bend and azimuth state.");
+        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed rotation about the tool axis. The reference axis is the first TCP axis perpendicular to the tool axis. At spin 0, the reference axis points up as far as possible, or along the azimuth if the tool points down. A number, a range, a list, or \"free\".").default(Literal::Word("free"));
+        TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Largest allowed angle between the tool axis and the direction given by bend_deg and azimuth_deg.");
         SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz, rotation, or a sense that the cell defines. The axes are those of the world. A suffix selects axes of the surface or the tool: xy@surface, xy@tool.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");

@@ -109,8 +109,8 @@ const MASS_OF_TOOL: Key = number_or_zero(
 );
 
 key_table! {
-    self_collision, "`self_collision`", "Solids of the robot that may touch.", {
-        ALLOWED = Key::new("allowed", PAIRS, "Pairs of solids that may touch, by their names.").required().example("[[\"hand\", \"cable\"]]").remedy("add allowed = [[\"NAME\", \"NAME\"]], pairs of solids that may touch");
+    self_collision, "`self_collision`", "Solids of the robot that may touch each other.", {
+        ALLOWED = Key::new("allowed", PAIRS, "Pairs of solids that may touch each other, given by their names.").required().example("[[\"hand\", \"cable\"]]").remedy("add allowed = [[\"NAME\", \"NAME\"]], pairs of solids that may touch each other");
     }
 }
 
@@ -149,7 +149,7 @@ key_table! {
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
         COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i lists the factor by which each actuator coordinate enters D-H coordinate i. Factor i of row i is 1, and all later factors are 0.").example("[[1, 0], [1, 1]]");
-        HOME = Key::new("home", POSTURE, "Home posture: one number for each joint, degrees or mm. If left out, each coordinate is 0, or the middle of the joint limits if 0 is outside the limits.").example("[0, -30, 60, 0]");
+        HOME = Key::new("home", POSTURE, "Home posture: one number for each joint, in degrees or mm. If left out, each coordinate is 0, or the middle of the joint limits if 0 is outside the limits.").example("[0, -30, 60, 0]");
         RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Maximum speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
         FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed for every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
         URDF = text("urdf", "URDF file (without xacro) that replaces the D-H rows. The path is relative to the folder of this file.").example("\"robots/arm.urdf\"");
@@ -157,11 +157,11 @@ key_table! {
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names. Each path is relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Rectangle that the base occupies in plan, from the floor up to the top of the solids of link 0. If left out, the rectangle covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Rectangle that the base occupies in plan. The occupied space extends from the floor up to the top of the solids of link 0. If left out, the rectangle covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, UNBOUNDED), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Check of the robot for collision with itself: true, false or a table. A table turns the check on and lists the pairs of solids that are allowed to touch.").default(Literal::Boolean(true));
-        ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
+        ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each set.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [
         Rule::Excludes("urdf", &["joint", "coupling", "convention"]),

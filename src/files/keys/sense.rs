@@ -20,7 +20,7 @@ fn lengths() -> Vec<String> {
 
 key_table! {
     /// Keys that terms and senses have in common.
-    any_term, "a term", "Component of the error that counts.", {
+    any_term, "a term", "Error component that is assessed.", {
         OF = Key::new("of", ValueKind::Word(plain), "Error along or about axes of the frame.").example("\"xy\"");
         DIRECTION = direction("direction", "Error along this vector.");
         PLANE = direction("plane", "Error in the plane perpendicular to this vector.");
@@ -42,7 +42,7 @@ key_table! {
 }
 
 key_table! {
-    sense, "a sense", "Sense: the component of the error that counts.", {
+    sense, "a sense", "Sense: the error component that is assessed.", {
         FRAME = word::<Frame>("frame", "Frame of the directions.").default(Literal::Word(Frame::World.name()));
         POINT = vector_or_zero("point_mm", "Point whose error is measured. The coordinates are relative to the TCP, in the axes of the tool frame.");
         TERM = Key::new("term", ValueKind::List(&ValueKind::Table(&term::TABLE), (1, UNBOUNDED), "terms"), "Terms that together make one sense.").example("[{ of = \"xy\" }, { of = \"rz\", mm_per_deg = 1 }]");

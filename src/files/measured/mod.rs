@@ -1,7 +1,8 @@
 //! Reader of measured positions: text tables of trackers and controllers, with one row per posture.
 //!
 //! A table may have comments, a preamble, names of columns, and a line of units. Separator and decimal sign
-//! are detected. Names state what a column holds; in a table without names, the joints come first.
+//! are detected. The name of a column states what the column holds. In a table without names, the columns of
+//! the joints come first.
 
 mod columns;
 mod decode;
@@ -50,8 +51,8 @@ pub struct MeasuredTable {
 }
 
 impl MeasuredTable {
-    /// Returns the table for an arm with `axes` joints. Joint k of the present table becomes joint
-    /// `places[k]`. All other joints get the coordinate 0 and an empty column name.
+    /// Returns the table for an arm with `axes` joints. Joint k of this table becomes joint `places[k]`. All
+    /// other joints get the coordinate 0 and an empty column name.
     pub fn with_joints_at(mut self, places: &[usize], axes: usize) -> Self {
         for row in &mut self.rows {
             let joints = std::mem::take(&mut row.numbers.joints);

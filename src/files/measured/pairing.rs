@@ -73,7 +73,7 @@ pub fn pair(
         let lost = joints.iter().filter(|q| q.is_none()).count();
         let mut note = format!("rows of the two tables are matched by the column `{}`", shown(&name));
         if lost > 0 {
-            note += &format!("; {lost} rows have no joints and are left out");
+            note += &format!("; {lost} rows of positions have no matching row of joints and are left out");
         }
         return Ok(PairedJoints { joints, names, angle_unit, note });
     }

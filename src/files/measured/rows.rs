@@ -53,7 +53,7 @@ pub fn read(
     faults.truncate(MAX_FAULTS);
     let first = grid.header_line.unwrap_or(1);
     if faults.is_empty() && reader.rows.is_empty() {
-        let help = "give one row per measured posture, with its joints and its position";
+        let help = "give one row per measured posture, with its joint coordinates and its position";
         faults.push(fault(first, ("the file has no row of numbers".into(), help.into())));
     }
     if reader.reflectors.len() > MAX_REFLECTORS {

@@ -51,7 +51,11 @@ fn read_azimuth(t: &mut Table) -> Option<(Azimuth, Option<Coordinate>)> {
         Value::Text(word) if word == "free" => Some((Azimuth::Free, None)),
         Value::Text(word) => {
             let message = format!("`azimuth_deg` cannot be \"{}\"", shown(word));
-            t.error(node.at, message, "write an angle in the surface, or \"radial\", or \"free\"");
+            t.error(
+                node.at,
+                message,
+                "write an angle from the x axis of the surface, or \"radial\", or \"free\"",
+            );
             None
         }
         _ => {

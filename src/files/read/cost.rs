@@ -300,7 +300,7 @@ impl StatedLaw {
                         let message = format!(
                             "the grade `{loose_name}` is neither tighter nor cheaper than `{tight_name}`"
                         );
-                        t.error(loose.at, message, "remove it, or correct tolerance and cost");
+                        t.error(loose.at, message, "remove this grade, or correct its tolerance or its cost");
                         return None;
                     }
                 }

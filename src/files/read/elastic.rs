@@ -65,7 +65,7 @@ fn place(
     }
     if link < joint {
         let message = format!("joint {} does not carry link {}, which comes before it", joint + 1, link + 1);
-        t.error(link_node.at, message, format!("write a link from {} to {}", joint + 1, arm.axes));
+        t.error(link_node.at, message, format!("write a link number from {} to {}", joint + 1, arm.axes));
         return None;
     }
     let place = Parameter::elastic(arm.axes).position(|p| p == Parameter::Elastic(joint, link))?;

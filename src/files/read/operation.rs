@@ -181,7 +181,8 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
         if let Some(sense) = sense.filter(|sense| sense.unit != unit) {
             let word = sense.unit.word();
             let name = key.name;
-            let message = format!("`{name}` does not fit the sense `{}`, which is in {word}", sense.name);
+            let message =
+                format!("`{name}` does not fit the sense `{}`, which is measured in {word}", sense.name);
             t.error(node.at, message, format!("write limit_{word}, or choose another sense"));
         } else {
             limit = value.map(Some);

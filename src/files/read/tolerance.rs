@@ -64,7 +64,8 @@ pub fn read_measured(
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     if let Some(node) = t.get(&error_set::COST) {
-        let message = "measured errors cannot have `cost`: they are known, so no tolerance can be ordered";
+        let message =
+            "measured errors cannot have `cost`: they are known, so there is no tolerance to choose";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     let sigmas = t.number(&error_set::SIGMAS);
@@ -96,7 +97,7 @@ pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
             && form == Some(ErrorForm::Signed)
         {
             let message = format!("a signed set cannot have `{}`, because it is one sample", key.name);
-            t.error(node.at, message, "write kind = \"tolerance\" if its numbers are plus-or-minus");
+            t.error(node.at, message, "write kind = \"tolerance\" if its numbers are plus-or-minus values");
         }
     }
 }

@@ -120,7 +120,7 @@ pub fn read_self_collision(t: &mut Table, solids: &[LinkSolid]) -> Option<SelfCo
 fn read_pair(pair: &Node, solids: &[LinkSolid], t: &mut Table) -> Option<(usize, usize)> {
     let Some([first, second]) = pair.value.items() else {
         let message = "a pair of `allowed` must be a list of 2 names";
-        t.error(pair.at, message, "write [\"NAME\", \"NAME\"], two solids that may touch");
+        t.error(pair.at, message, "write [\"NAME\", \"NAME\"], two solids that may touch each other");
         return None;
     };
     let first = read_name(first, solids, t);

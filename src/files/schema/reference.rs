@@ -157,12 +157,12 @@ fn in_words(rule: &Rule) -> String {
         Rule::OnlyWith(key, others) => format!("- Without `{key}`, none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
-            let mut rule = format!("- If `{key}` is {}", quoted(&words()));
+            let mut rule = format!("- If `{key}` is {},", quoted(&words()));
             if !needs.is_empty() {
-                let _ = write!(rule, ", {} are required", list(needs));
+                let _ = write!(rule, " then {} must be given, and", list(needs));
             }
             if !never.is_empty() {
-                let _ = write!(rule, ", none of {} may be given", list(never));
+                let _ = write!(rule, " none of {} may be given", list(never));
             }
             rule + "."
         }

@@ -41,8 +41,8 @@ impl Source {
 
 /// Function that returns the bytes of the file at a path, or says why it cannot.
 ///
-/// The path is relative to the folder of the cell and never leads out of that folder. For a ROS package whose
-/// folder the robot file does not state, the path is `package://NAME/PATH`.
+/// The path is relative to the folder of the cell and never leads out of that folder. For a file in a ROS
+/// package whose folder the robot file does not state, the path is `package://NAME/PATH`.
 pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// All files read so far and all faults found so far.

@@ -42,7 +42,8 @@ impl Setting {
         Self { flag: Some(flag.to_string()), ..Self::new(path, value) }
     }
 
-    /// Returns the setting of the flag `flag`: `key` gets the value `value` (TOML) in every operation.
+    /// Returns the setting that the flag `flag` states: in every operation, the key `key` gets the value
+    /// `value` (TOML).
     pub fn of_every_operation(flag: &str, key: &str, value: impl Into<String>) -> Self {
         Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
     }
@@ -93,7 +94,10 @@ impl Choices {
             return fault("the text before the = is not the path of a key", help);
         }
         if keys == ["from"] {
-            return fault("a sweep cannot set the key `from` of the cell", "run a sweep for each cell file");
+            return fault(
+                "a sweep cannot set the key `from` of the cell",
+                "run a separate sweep for each cell file",
+            );
         }
         let values: Vec<_> = parted(values, ',', usize::MAX).iter().map(|v| v.trim().to_string()).collect();
         if values.iter().any(String::is_empty) {

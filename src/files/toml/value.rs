@@ -98,7 +98,7 @@ pub fn text(node: &Node, key: &str, lib: &mut Library) -> Option<String> {
     match &node.value {
         Value::Text(s) => Some(s.clone()),
         other => {
-            let message = format!("`{key}` must be a text, not {}", other.kind());
+            let message = format!("`{key}` must be text, not {}", other.kind());
             lib.error(node.at, message, format!("write {key} = \"...\""));
             None
         }

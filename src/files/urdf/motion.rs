@@ -90,7 +90,10 @@ impl MovingJoint {
 fn refuse_length(joint: &UrdfJoint, lib: &mut Library<'_>) {
     let longest = joint.origin.translation.amax();
     if longest > TOO_LONG {
-        let message = format!("the origin of joint `{}` is {longest} m away", shown(&joint.name.name));
+        let message = format!(
+            "the origin of joint `{}` is {longest} m away from its parent link along one axis",
+            shown(&joint.name.name)
+        );
         lib.error(joint.origin_at, message, "a URDF states lengths in m: is this origin in mm?");
     }
 }
@@ -100,7 +103,7 @@ fn refuse_count(urdf: &Urdf, moving: &[&UrdfJoint], lib: &mut Library<'_>) {
         let at = moving.get(MAX_JOINTS).map_or(urdf.at, |j| j.name.at);
         let message = if moving.len() > MAX_JOINTS {
             format!(
-                "{} joints move between base and tip link; at most {MAX_JOINTS} are allowed",
+                "the chain from base to tip link has {} moving joints; at most {MAX_JOINTS} are allowed",
                 moving.len()
             )
         } else {

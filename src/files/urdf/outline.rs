@@ -29,8 +29,8 @@ pub struct UrdfOutline {
     /// Moving joints that are not on the chain, such as the joints of a gripper.
     pub joints_off: Vec<String>,
     /// Collision shapes of the links in `links`; each entry holds a number and a text. The number states how
-    /// many moving joints are between base and link. The text is the mesh as the URDF names it; None for a
-    /// shape without a mesh.
+    /// many moving joints are between base and link. The text is the name of the mesh file in the URDF; None
+    /// for a shape without a mesh.
     pub shapes: Vec<(usize, Option<String>)>,
 }
 

@@ -107,7 +107,11 @@ fn read_mesh(
 ) -> Option<Shape> {
     let path = packages.path(file, lib)?;
     if scale.iter().any(|s| *s == 0.0) {
-        lib.error(file.at, "a mesh scaled by 0 is flat".into(), "give it a scale, 0.001 for a mesh in mm");
+        lib.error(
+            file.at,
+            "a mesh scaled by 0 is flat".into(),
+            "give it a scale other than 0, for example 0.001 for a mesh in mm",
+        );
         return None;
     }
     let before = lib.faults.len();

@@ -44,7 +44,7 @@ impl<'u> Tree<'u> {
                 lib.error(
                     joint.child.at,
                     message,
-                    "a link has one parent joint: a closed loop cannot be read",
+                    "a link can have only one parent joint: a closed loop cannot be read",
                 );
             }
         }

@@ -92,7 +92,7 @@ impl Ink {
     }
 }
 
-/// Returns the style sheet rules for charts on a dark page, each under a selector such as `.dark`.
+/// Returns the style sheet rules for charts on a dark page. Each rule is under a selector such as `.dark`.
 pub fn dark_rules(scope: &str) -> String {
     Ink::ALL.iter().fold(String::new(), |mut out, ink| {
         let (class, _, dark) = ink.told();

@@ -49,8 +49,9 @@ pub fn difference(cell: &Cell, d: &OperationDifference, names: (&str, &str), mos
 fn remarks(d: &OperationDifference, names: (&str, &str)) -> Vec<String> {
     let ((better, worse), (gained, lost)) = (d.better_and_worse(), d.gained_and_lost());
     let (a, b) = names;
-    let mut said =
-        vec![format!("of the nodes usable in both layouts, {b} is better at {better} and worse at {worse}")];
+    let mut said = vec![format!(
+        "{b} is better at {better} and worse at {worse} of the nodes that are usable in both layouts"
+    )];
     if gained + lost > 0 {
         said.push(format!("{gained} nodes are usable only in {b}, and {lost} only in {a}"));
     }

@@ -1,5 +1,5 @@
-//! Charts of a report. Each chart is a pure function from records to one `<svg>`, for a file or inline in a
-//! page.
+//! Charts of a report. Each chart is a pure function that converts records to one `<svg>` element. This
+//! element can be a file of its own or an inline part of a page.
 //!
 //! A chart has neither a style element nor a style attribute, because a Content-Security-Policy would forbid
 //! them. Colours are presentation attributes. An element with such a colour also has a class, for example

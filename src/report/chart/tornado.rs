@@ -15,8 +15,9 @@ use crate::units::{percent_from_share, rounded};
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 
-/// Draws the share of each parameter in the worst case or in the variance, the largest first. Text beside the
-/// longest bars states how much the error figure decreases if the tolerance of the parameter is halved.
+/// Draws the share of each parameter in the worst case or in the variance, with the largest share first. Text
+/// beside the longest bars states how much the error figure decreases if the tolerance of the parameter is
+/// halved.
 pub fn tornado(a: &BudgetReport<'_>) -> String {
     let cell = a.context.cell;
     let of = share_of(a);

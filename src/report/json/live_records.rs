@@ -22,13 +22,14 @@ pub struct FormRecord<'a> {
     pub can_search: bool,
     pub equipment: Vec<FormEquipment<'a>>,
     pub base_footprint: [f64; 4],
-    /// Least and greatest corner of every keep-out box in the plan: x, y, x, y in the world frame, mm.
+    /// Keep-out boxes in plan: least x, least y, greatest x and greatest y of each box in the world frame,
+    /// mm.
     pub keep_out: Vec<[f64; 4]>,
     pub fence: Option<Vec<[f64; 2]>>,
 }
 
-/// Equipment in the plan. A rectangle is x and y of its centre, then its sizes along x and y, in the frame of
-/// the equipment, mm.
+/// Equipment in the plan. Each rectangle lists x and y of its centre, then its sizes along x and y, in the
+/// frame of the equipment, mm.
 #[derive(Serialize)]
 pub struct FormEquipment<'a> {
     pub name: &'a str,
@@ -69,7 +70,8 @@ pub struct NumbersRecord {
     pub attitude: ByName<ByName<f64>>,
 }
 
-/// Evaluation of a layout: its objective and its error maps. A placement is x, y, z (mm) and yaw (degrees).
+/// Evaluation of a layout: its objective and its error maps. Each placement lists x, y, z (mm) and yaw
+/// (degrees).
 #[derive(Serialize)]
 pub struct AnswerRecord<'a> {
     pub feasible: bool,
@@ -187,7 +189,7 @@ pub struct LiveReach {
 pub struct LiveRegions {
     pub regions: Vec<RegionEntry>,
     /// Angles by which equipment may rotate as one body about the base axis. None if the layout is infeasible
-    /// or misses a limit, or if equipment under an operation does not rotate.
+    /// or misses a limit, or if equipment under an operation does not take part in this rotation.
     pub whole_cell: Option<TurnEntry>,
 }
 

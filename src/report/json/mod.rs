@@ -1,4 +1,5 @@
-//! Documents for the pages of sweetspot only: the drawings of the 3-D viewer and the state of the live page.
+//! Documents that only the pages of sweetspot use: the drawings of the 3-D viewer and the state of the live
+//! page.
 //!
 //! The types of the documents for other programs are in [`crate::record`].
 

@@ -50,7 +50,7 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
     /// Note below the table.
     pub note: String,
-    /// Whether each column contains numbers, which are aligned to the right.
+    /// For each column, whether it contains numbers. Numbers are aligned to the right.
     pub is_number: Vec<bool>,
     /// Whether the page hides the rows of the table until the reader opens it.
     pub is_folded: bool,

@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Colour of lines and texts.
 pub const BLACK: &str = "#000000";
 
-/// Position of a sheet in a set: the number of the sheet and the number of all sheets.
+/// Position of a sheet in a set: the number of the sheet and the total number of sheets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SheetNumber {
     pub number: usize,
@@ -47,7 +47,7 @@ pub fn title(cell: &Cell) -> &str {
     cell.title_block.title.as_deref().unwrap_or(&cell.name)
 }
 
-/// Returns the name of a layout as drawings show it.
+/// Returns the name of a layout as it appears on drawings.
 pub fn layout_name(name: &str) -> String {
     match name {
         "best" => "best layout".into(),

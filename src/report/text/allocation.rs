@@ -129,7 +129,10 @@ fn costs(d: &AllocationDocument) -> String {
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
         ),
-        None => writeln!(out, "  no common factor for all tolerances within the ranges meets the limits"),
+        None => writeln!(
+            out,
+            "  no common factor was found that meets the limits and keeps every tolerance within its range"
+        ),
     };
     let _ = writeln!(
         out,

@@ -114,7 +114,7 @@ fn room(a: &Assessment<'_>) -> String {
     }
     let mut out = table.render();
     for RegionEntry { equipment, ends_with, .. } in &regions {
-        let _ = writeln!(out, "  what ends the room of {}: {}", shown(equipment), ends_with);
+        let _ = writeln!(out, "  what limits the room of {}: {}", shown(equipment), ends_with);
     }
     if let Some(turn) = TurnEntry::new(a) {
         out.push_str(&whole_cell(&turn));

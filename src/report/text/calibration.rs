@@ -129,8 +129,8 @@ fn outlier_rows(file: &str, outliers: &[OutlierRow]) -> String {
     )
 }
 
-/// Returns the errors of a finished calibration, parameter by parameter. `source` names the file that states
-/// this calibration.
+/// Returns the errors of a finished calibration, parameter by parameter. `source` names the file with the
+/// result of this calibration.
 pub fn stated_calibration(document: &CalibrationDocument, source: &str) -> String {
     let mut out = format!("{}: errors stated by {}\n\nParameters\n", shown(&document.robot), shown(source));
     let mut parameters = TextTable::indented(1);

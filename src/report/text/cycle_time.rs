@@ -7,7 +7,7 @@ use crate::safe_text::shown;
 use std::fmt::Write;
 
 /// Returns the cycle time of a feasible layout and the steps of the cycle. If joint speeds are missing, the
-/// text states which. The text is empty if the layout is not feasible.
+/// text states which ones. The text is empty if the layout is not feasible.
 pub fn cycle_time(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();

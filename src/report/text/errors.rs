@@ -7,7 +7,8 @@ use crate::pose_accuracy::ErrorPreset;
 use crate::record::{BaseChoice, ErrorsDocument};
 use std::fmt::Write;
 
-/// Returns the presets, which are guessed tolerances of classes of arms, with half widths and sources.
+/// Returns the presets with their half widths and sources. A preset is a set of guessed tolerances for a
+/// class of arms.
 pub fn presets(presets: &[ErrorPreset]) -> String {
     let mut table = TextTable::new(1);
     table.row(["preset", "joint zeros deg", "mm", "lengths mm", "twists deg"]);
@@ -16,7 +17,7 @@ pub fn presets(presets: &[ErrorPreset]) -> String {
         table.row([p.name.to_string()].into_iter().chain(numbers));
     }
     let mut out = String::from(
-        "GUESSES for arms without measurements: half widths of the tolerances, 3 sigma of a normal distribution\n\n",
+        "GUESSES for arms without measurements: half widths of the tolerances, each equal to 3 sigma of a normal distribution\n\n",
     );
     out.push_str(&table.render());
     out.push('\n');

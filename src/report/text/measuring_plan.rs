@@ -12,7 +12,7 @@ use std::fmt::Write;
 pub fn measuring_plan(robot: &Robot, document: &MeasuringPlanDocument) -> String {
     let (expected, tried) = (&document.expected, &document.tried);
     let mut out = format!(
-        "{}: {} poses to calibrate {}, chosen among {} ({} others collide, {} are hidden)\n\n",
+        "{}: {} poses to calibrate {}, chosen from {} candidates ({} other poses collide, {} are hidden)\n\n",
         shown(&document.cell),
         document.poses.len(),
         shown(&document.robot),

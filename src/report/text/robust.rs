@@ -59,10 +59,10 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
     }
     lines.push(format!("gradient: {}", slopes(cell, r)));
     let has_limit = cell.operations[k].limit.is_some() && cell.unit().is_error();
-    let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
+    let keeps = if has_limit { "feasible and within its limit" } else { "feasible" };
     if let Some(scale) = &r.scale {
         let at_most = most(scale, |s| format!("{} times the placement tolerances", fixed(s, 2)));
-        lines.push(format!("the operation keeps {keeps} up to {at_most}{}", because(cell, scale)));
+        lines.push(format!("the operation stays {keeps} up to {at_most}{}", because(cell, scale)));
     }
     let mm = |v| format!("{} mm in plan", fixed(mm_from_m(v), 2));
     let deg = |v| format!("{} deg in yaw", fixed(deg_from_rad(v), 3));

@@ -5,8 +5,8 @@ use crate::files::shown;
 use crate::record::SweepStatus;
 use std::fmt::Write;
 
-/// Returns the numbers of combinations that are done and left, and a list of the running combinations, the
-/// failed combinations and the hosts.
+/// Returns how many combinations are done, running, failed and free. Lists of the running combinations, of
+/// the failed combinations and of the hosts follow.
 pub fn sweep_status(status: &SweepStatus) -> String {
     let SweepStatus { combinations, done, free, running, failed, hosts, .. } = status;
     let mut out = format!(
@@ -33,7 +33,7 @@ pub fn sweep_status(status: &SweepStatus) -> String {
         let _ = writeln!(out, "failed");
     }
     for f in failed {
-        let end = if f.given_up { "; the workers have given up on it" } else { "" };
+        let end = if f.given_up { "; the workers have given up on this combination" } else { "" };
         let _ = writeln!(out, "  {:04}  {}{end}", f.index, shown(&f.why));
     }
     if !hosts.is_empty() {

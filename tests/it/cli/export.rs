@@ -604,7 +604,7 @@ fn drawings_of_infeasible_layouts_are_marked() {
             let ran = shop.done(&["export", cell, "--to", format, "-o", &out]);
             let is_marked = shop.text(&out).to_uppercase().contains("NOT FEASIBLE, DO NOT BUILD");
             assert_eq!(is_marked, !is_feasible, "{cell} as {format}");
-            let warns = ran.err.contains("warning: the layout is not feasible, do not build it: ");
+            let warns = ran.err.contains("warning: the layout is not feasible; do not build it: ");
             assert_eq!(warns, !is_feasible, "{cell} as {format}: {}", ran.err);
         }
     }

@@ -16,7 +16,9 @@ pub fn gather(sweep: &CheckedSweep, as_json: bool) -> Result<Exit, Exit> {
     let text = if as_json { line(&document)? } else { report::text::sweep(&document) };
     output::data(&text)?;
     let folder = path_word(&sweep.folder);
-    output::talk(&format!("wrote {folder}: table.csv, table.json, manifest.json, a file per combination"));
+    output::talk(&format!(
+        "wrote {folder}: table.csv, table.json, manifest.json and one file per combination"
+    ));
     if sweep.plan.is_of_islands() {
         suggest(&continuing(&sweep.plan, &sweep.folder, "--resume"));
     } else if let Some(best) = document.best.filter(|_| !as_json) {

@@ -44,9 +44,9 @@ impl JointMap {
         couplings: [None; MAX_COUPLINGS],
     };
 
-    /// Returns the actuator coordinates, rad or m, for the joint columns `raw` of one row. The flag `degrees`
-    /// is true if angles are in degrees. `unit` is the size in m of the file's unit of length. A passive
-    /// joint, whose limits are equal, keeps its only coordinate.
+    /// Returns the actuator coordinates, rad or m, for the joint columns of one row, given in `raw`. The flag
+    /// `degrees` is true if angles are in degrees. `unit` is the size in m of the file's unit of length. A
+    /// passive joint, whose limits are equal, keeps its only coordinate.
     pub fn applied(&self, chain: &Chain, raw: &JointVector, degrees: bool, unit: f64) -> JointVector {
         let mut values = [0.0; MAX_JOINTS];
         for (i, link) in chain.links.iter().enumerate() {

@@ -92,8 +92,8 @@ impl OffsetWrist {
     ///
     /// `flange` is a pose in frame 0, without the tool. `posture` is working memory. Before the call, it must
     /// hold the constant D-H values of the chain, such as r of a revolute joint. The function overwrites the
-    /// joint coordinates. The branch index numbers the solutions of this pose. A solution may change its
-    /// index while the pose moves, because other solutions appear and vanish.
+    /// joint coordinates. The branch index is the running number of the solution among all solutions of this
+    /// pose. A solution may change its index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns a measure (m) of how far the target is out of reach. The measure is 0 if there is a solution.
     /// Otherwise, one of the two following rules gives the measure.

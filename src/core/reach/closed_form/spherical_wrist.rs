@@ -63,12 +63,13 @@ impl SphericalWrist {
     /// distinguishes the two elbow solutions, and bit 2 is set if the arm leans back over its base.
     ///
     /// For other arms, bit 1 distinguishes the two solutions for joint 2. Bit 2 is set if the polynomial of
-    /// Pieper's equation increases at the solution for joint 3. If two roots of this equation have the same
-    /// bit 2, bit 3 is set for the second of the two. The roots are in ascending order of theta_3 from -180
-    /// degrees, or of r_3 if joint 3 is prismatic.
+    /// Pieper's equation increases at the solution for joint 3. If bit 2 has the same value for two roots of
+    /// this equation, then bit 3 is set for the second root. The roots are in ascending order of theta_3 from
+    /// -180 degrees, or of r_3 if joint 3 is prismatic.
     ///
-    /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
-    /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
+    /// During a continuous motion, the index of the posture changes only at a singularity or at theta_3 = 180
+    /// degrees. No better numbering exists for a cuspidal arm, which can change posture without passing a
+    /// singularity.
     ///
     /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. If the wrist centre lies on
     /// axis 1 or 2, the angle theta of that axis is 0. For a spherical shoulder, all these axes are

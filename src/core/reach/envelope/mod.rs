@@ -102,8 +102,8 @@ impl<'a> Envelope<'a> {
     /// Returns the number of points that are sampled to compute the requested sections and, if wanted, the
     /// size.
     ///
-    /// The sections are `sections` vertical sections, and one horizontal section at each of `heights` (m).
-    /// The number includes the points of [`Self::size`] if `size` is true.
+    /// The argument `sections` is the number of vertical sections. There is one horizontal section at each
+    /// height in `heights` (m). The number includes the points of [`Self::size`] if `size` is true.
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
         let size = if size { self.size_work(step) } else { 0 };

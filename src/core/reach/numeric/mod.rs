@@ -78,8 +78,8 @@ impl Numeric {
         self.solve_fully(&goal, &mut frames).map(|found| found.joints)
     }
 
-    /// Writes the distinct solutions within the limits to `out`, sorted. If there are none, returns the
-    /// reason.
+    /// Writes to `out` the distinct solutions within the limits, in sorted order. If there are none, returns
+    /// the reason.
     ///
     /// Coordinates of a joint that differ by whole turns may give the same link poses. `out` then
     /// holds the coordinate nearest to the middle of the joint's range.
@@ -150,7 +150,7 @@ impl Numeric {
         })
     }
 
-    /// Returns the solution that a descent from `start` finds. The joint with the index `held` does not move.
+    /// Returns the solution that a descent from `start` finds. The joint whose index is `held` does not move.
     ///
     /// # Errors
     /// Returns the remaining errors of position and orientation if the descent finds no solution.

@@ -25,7 +25,7 @@ const MAX_CHAIN_LENGTHS: f64 = 1e6;
 pub enum Shortfall {
     /// There is at least one solution.
     None,
-    /// The TCP comes no nearer to the goal than `by` (m) within the limits, in any attitude.
+    /// Within the limits, the least distance of the TCP from the goal in any attitude is `by` (m).
     OutOfReach { by: f64 },
     /// The position is reached, but not the attitude; `by` is the least orientation error found (rad).
     ///

@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-7;
 /// Quantities whose bound is a table of samples.
 const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99];
 
-/// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
+/// Symmetric matrix with up to three rows, stored as its entries 11, 22, 33, 12, 13 and 23.
 pub type CovarianceEntries = [f64; 6];
 
 /// Lower and upper bounds of one quantity of `|v|`, where `v` is a normal vector with mean 0.
@@ -43,8 +43,8 @@ pub struct CentredBound {
 }
 
 impl CentredBound {
-    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three
-    /// components.
+    /// Returns the bounds for a vector with `rows` components. Returns None if the quantity is the yield, or
+    /// if `rows` is not 1, 2 or 3.
     pub fn new(quantity: Quantity, rows: usize) -> Option<Self> {
         static TABLES: [[OnceLock<Vec<f64>>; 3]; 3] = [const { [const { OnceLock::new() }; 3] }; 3];
         if rows == 0 || rows > 3 || quantity == Quantity::Yield {
