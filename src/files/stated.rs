@@ -28,7 +28,7 @@ const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 /// Magnitude at and above which a number cannot be a length (m) or an angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
-/// Largest number of lines of a file that states a calibration.
+/// Largest number of lines of a file that contains a calibration.
 const MAX_LINES: usize = 1000;
 
 /// Largest number of faults listed for one file.

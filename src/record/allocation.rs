@@ -70,7 +70,9 @@ pub enum AllocationStatus {
     Infeasible,
 }
 
-/// Uniform tightening: one scale for all tolerances, chosen so that every limit is met.
+/// Uniform tightening: the loosest common scale of all tolerances with which every limit is met. Where this
+/// scale lies outside the range of a tolerance, the nearest end of the range applies. A tolerance with grades
+/// gets the loosest grade that is at least as tight as the scale.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UniformEntry {

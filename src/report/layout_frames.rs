@@ -55,7 +55,7 @@ impl LayoutFrames {
             layout: drawing.name.clone(),
             warning: match (drawing.is_feasible, drawing.meets_limits) {
                 (false, _) => {
-                    Some("WARNING: this layout is NOT FEASIBLE, do not build it and do not use these frames.")
+                    Some("WARNING: this layout is NOT FEASIBLE. Do not build it, and do not use these frames.")
                 }
                 (true, false) => Some("WARNING: this layout does not meet every limit."),
                 (true, true) => None,

@@ -33,7 +33,7 @@ class AccuracyQuantiles(Record):
     p95_mm: float
     """95th percentile: 95 % of the robots are better."""
     worst_pose_mm: float
-    """Median, over all robots, of each robot's AP at its worst pose."""
+    """Median over all robots of the AP that each robot has at its worst pose."""
 
 
 class AllocatedEntry(Record):
@@ -134,7 +134,9 @@ class AllocationRequirement(Record):
 
 
 class AlternativeEntry(Record):
-    """Layout of the Pareto front, or of the shortlist: the best layouts that differ clearly from each other."""
+    """Layout of the Pareto front or of the shortlist. The shortlist contains the best layouts that differ
+    clearly from each other.
+    """
 
     file: str
     """Cell file of the layout in the folder of the search."""
@@ -233,7 +235,7 @@ class CalibrationDocument(Record):
     sessions: Table[CalibratedFile]
     """Files from which the parameters are identified."""
     tests: Table[TestedFile]
-    """Files with which the parameters are tested, but not identified. Base and reflectors are fitted to each
+    """Files that test the parameters, but do not serve to identify them. Base and reflectors are fitted to each
     file.
     """
     held_out: Optional[AccuracyEntry]
@@ -342,13 +344,13 @@ class ComparedFile(Record):
     """Statistics of the lengths of the differences between measured and predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
-    These ellipsoids assume that the random errors of a robot are equal at all poses. The fit of base and
-    reflectors absorbs a part of the random errors.
+    These ellipsoids assume that the random parameter errors of a robot have the same values at all poses. The
+    fit of base and reflectors absorbs a part of the random errors.
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside a second set of 95 % ellipsoids. These ellipsoids assume that the random
-    errors change from pose to pose, as the misfit of a calibration does. Null unless the error set of the
-    robot comes from measurements.
+    parameter errors change from pose to pose, as the misfit of a calibration does. Null unless the error set
+    of the robot comes from measurements.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
@@ -356,7 +358,7 @@ class ComparedFile(Record):
     """
     spots: SpotRankingEntry
     repeats: Optional[RepeatsEntry]
-    """Accuracy and repeatability of postures that were visited several times; null without such a posture."""
+    """Accuracy and repeatability of postures that were visited several times; null if there is no such posture."""
     positions: Table[ComparedPosition]
 
     _nested = {
@@ -560,8 +562,8 @@ class DhEntry(Record):
 
 
 class DiscrepancyEntry(Record):
-    """Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent. Fields x, y and z
-    compare the components; r compares the lengths of the two vectors.
+    """Discrepancy between linear and nonlinear error in percent, as defined by eq. (9) of the seed paper. Fields
+    x, y and z compare the components; r compares the lengths of the two vectors.
     """
 
     x: Optional[float]
@@ -656,7 +658,7 @@ class ErrorsDocument(Record):
     scale: float
     """Factor that multiplies the tolerances of the preset or of the robot's error set."""
     steps: int
-    """Number of iterations in which the program finds `scale`. Each iteration predicts the accuracy once."""
+    """Number of iterations that the program needs to find `scale`. Each iteration predicts the accuracy once."""
     ap: AccuracyQuantiles
     """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
@@ -689,10 +691,9 @@ class EstimateEntry(Record):
 
 
 class ExpectedEntry(Record):
-    """Expected root mean square error of predicted positions at the operations. The expected errors assume a new
-    measurement of the base frame, with the robot, after the calibration. The expected errors leave out the
-    part that the new base frame removes. They also leave out errors that the unknowns of the calibration
-    cannot explain.
+    """Expected root mean square error of predicted positions at the operations. The expected errors assume that
+    the base frame is measured again with the robot after the calibration. They leave out the part that the
+    new base frame removes. They also leave out errors that the unknowns of the calibration cannot explain.
     """
 
     nodes: int
@@ -707,7 +708,7 @@ class ExpectedEntry(Record):
     """
     shared_misfit_mm: float
     """Assumed standard deviation, per axis, of one part of the errors that the unknowns do not explain. This
-    part is nearly equal at nearby poses.
+    part is nearly the same at nearby poses.
     """
     own_misfit_mm: float
     """Assumed standard deviation, per axis, of the other part of the errors that the unknowns do not explain.
@@ -791,7 +792,7 @@ class ExplanationDocument(Record):
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
     value: float
-    """Value of the figure that `quantity` names, in `unit`."""
+    """Value of the figure named in `quantity`; its unit is given in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
 
     _nested = {
@@ -816,7 +817,7 @@ class ExplanationDocument(Record):
 
 
 class ExtrapolatedEntry(Record):
-    """Usable nodes at which a joint is outside the range that the calibration of the robot measured."""
+    """Usable nodes at which a joint is outside the range that the measurements for the calibration cover."""
 
     nodes: int
     """Number of usable nodes at which a joint is outside its measured range."""
@@ -855,8 +856,8 @@ class FailedCombination(Record):
 
 class Fault(Record):
     """Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1. A setting on
-    the command line has no position in a file. In a fault of such a setting, `file` is the setting as typed,
-    and line and column are zero.
+    the command line has no position in a file. If the fault is in such a setting, `file` holds the setting as
+    typed, and line and column are zero.
     """
 
     severity: Literal['error', 'warning']
@@ -926,7 +927,7 @@ class HarmonicsEntry(Record):
     prior_deg: float
     """Prior standard deviation of the coefficients of the highest order. The fit estimates this value together
     with the coefficients. All orders above 4 have equal prior standard deviations. The orders 1 to 4 have
-    twice this prior standard deviation.
+    twice the prior standard deviation of the higher orders.
     """
     rms_deg: float
     """Root mean square of the identified error over one revolution of the joint."""
@@ -980,7 +981,7 @@ class IslandEntry(Record):
     seed: int
     is_best: bool
     """Whether this island found the best layout: the layout with the least objective. If several islands are
-    equally good, the first one counts.
+    equally good, the first of them counts as the best.
     """
     least_value: Optional[float]
     """Least objective found, in `unit`; null if no layout is feasible and within every limit."""
@@ -1084,14 +1085,14 @@ class ManifestDocument(Record):
     reproduce the cell.
     """
     resolved: Optional[ResolvedSettings]
-    """Settings of the run after flags, cell file and defaults were merged."""
+    """Settings that result when flags, cell file and defaults are merged."""
     inputs: Table[HashedFile]
     """Files that were read, the cell file first."""
     outputs: Table[HashedFile]
     """Files that were written."""
     sha256: Optional[str]
-    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
-    the text when it writes the manifest.
+    """Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to the
+    text when it writes the manifest.
     """
 
     _nested = {
@@ -1209,8 +1210,8 @@ class MapNode(Record):
     p95_deg: Optional[Dict[str, float]]
     p99_deg: Optional[Dict[str, float]]
     yield_: Optional[float]
-    """Yield: share of arms whose error does not exceed the limit of the operation. The parameter errors of the
-    arms are random and follow the tolerances.
+    """Yield: share of arms whose error does not exceed the limit of the operation. The parameter errors of these
+    arms are random, with distributions that follow from the error set.
     """
 
     _nested = {
@@ -1225,7 +1226,7 @@ class MapNode(Record):
 
 
 class MeasuredSpotEntry(Record):
-    """Spot, a commanded position, with the errors of the poses there."""
+    """Spot (a commanded position), with the errors of the poses at this position."""
 
     position_mm: _Numbers
     """Mean position of the reflector for the nominal robot, in the base frame."""
@@ -1274,7 +1275,7 @@ class MisfitEntry(Record):
     joints: _Numbers
     """Standard deviation of the error of every joint: degrees, or mm for a prismatic joint."""
     position_mm: float
-    """Standard deviation, along each axis, of the unexplained position error that no joint causes, mm."""
+    """Standard deviation per axis of the unexplained position error that no joint causes, mm."""
 
     _nested = {
         'joints': ('numbers', ''),
@@ -1307,7 +1308,7 @@ class ModelGuardEntry(Record):
 
 
 class MonteCarloEntry(Record):
-    """Check of the first-order figures at a spot with Monte Carlo samples of the nonlinear model. RMS, mean and
+    """Monte Carlo check of the first-order figures at a spot. The samples use the nonlinear model. RMS, mean and
     percentiles are in the unit of the sense.
     """
 
@@ -1323,7 +1324,8 @@ class MonteCarloEntry(Record):
     first_order_holds: Optional[bool]
     """Whether the samples confirm the first-order figures. If the samples contradict the first-order figures,
     the figures of the samples replace them. The value and the margin of the operation then also come from the
-    samples. The value remains first-order if the search is robust, or if the value combines several nodes.
+    samples. However, the value remains a first-order figure if the search is robust, or if the value combines
+    several nodes.
     """
 
     _nested = {
@@ -1488,7 +1490,7 @@ class OperationOrderEntry(Record):
     why_no_field: Optional[str]
     """Reason why no value field can be computed for the operation; null if one can be computed. A value field is
     a table of lower bounds of the operation's value at a node. The bounds hold in every layout, and a search
-    excludes nodes by them.
+    uses them to exclude nodes.
     """
 
 
@@ -1513,7 +1515,7 @@ class OutlierRow(Record):
     row: int
     """Line of the file, counted from 1."""
     distance_mm: float
-    """Distance of the measured from the predicted position, mm."""
+    """Distance between the measured and the predicted position, mm."""
 
 
 class OwnPairEntry(Record):
@@ -1634,7 +1636,7 @@ class PostureGuardEntry(Record):
 
 
 class ProgressLine(Record):
-    """Line of progress, which `search --progress json` prints on stderr once per second."""
+    """Progress line that `search --progress json` prints on stderr once per second."""
 
     schema: Literal['sweetspot/progress/1']
     evaluations: int
@@ -1684,7 +1686,7 @@ class ProvenOperation(Record):
     why_not: Optional[str]
     """Reason why there is no bound."""
     boxes: int
-    """Number of boxes of joint coordinates that branch and bound examined."""
+    """Number of boxes of joint coordinates that the branch-and-bound method examined."""
 
 
 class ReadingEntry(Record):
@@ -1782,7 +1784,7 @@ class RegionEntry(Record):
     equipment: str
     """Name of the equipment, or `robot base`."""
     outline_mm: List[List[float]]
-    """Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in an
+    """Closed rings of points (x, y) in plan, for the z and yaw of the layout. A point is inside if it lies in an
     odd number of rings. If the search moves the piece along one axis only, the only ring is a line of two
     points. The list is empty if the search moves the piece along neither axis.
     """
@@ -1825,7 +1827,7 @@ class RegretEntry(Record):
 
 
 class RemediesDocument(Record):
-    """Answer to the question whether to calibrate a measured robot, to move the equipment, or both."""
+    """Answer to the question whether to calibrate a measured robot, to move the equipment, or to do both."""
 
     schema: Literal['sweetspot/remedies/1']
     cell: str
@@ -1884,7 +1886,7 @@ class RepeatedPostureEntry(Record):
     """One posture that was visited several times."""
 
     row: int
-    """Line of the file with the first visit, counted from 1."""
+    """Line number of the first visit in the file, counted from 1."""
     visits: int
     position_mm: _Numbers
     """Position of the reflector for the nominal robot, in the base frame."""
@@ -1906,7 +1908,7 @@ class RepeatsEntry(Record):
     largest_rp_mm: float
     """Largest pose repeatability of a posture."""
     least_visits: int
-    """Number of visits of the repeated posture with the fewest visits."""
+    """Number of visits to the repeated posture that was visited least often."""
     enough_visits: bool
     """Whether every repeated posture was visited as often as the standard demands."""
     postures: Table[RepeatedPostureEntry]
@@ -1956,7 +1958,7 @@ class ResolvedOperation(Record):
 
 
 class ResolvedSettings(Record):
-    """Settings of a run after flags, cell file and defaults were merged."""
+    """Settings that result when flags, cell file and defaults are merged."""
 
     errors: str
     """Name of the error set."""
@@ -1985,7 +1987,9 @@ class ResolvedSettings(Record):
     budget: int
     """Largest number of layouts to evaluate."""
     ideal: bool
-    """Whether every piece stands exactly at its placement, so that placement tolerances do not count."""
+    """Whether every piece is assumed to stand exactly at its placement, so that placement tolerances are
+    ignored.
+    """
     robust: bool
     """Whether the worst case over the placement tolerances is minimized."""
     gap: Optional[float]
@@ -2018,7 +2022,7 @@ class RobotEntry(Record):
     """Robot of the library."""
 
     robot: str
-    """Name in the library, by which cell files refer to the robot."""
+    """Name in the library. Cell files use this name to refer to the robot."""
     name: str
     axes: int
     family: str
@@ -2228,7 +2232,9 @@ class SearchResult(Record):
     keep: Optional[int]
     """Number of layouts to keep; null if the cell states none."""
     ideal: bool
-    """Whether every piece stands exactly at its placement, so that placement tolerances do not count."""
+    """Whether every piece is assumed to stand exactly at its placement, so that placement tolerances are
+    ignored.
+    """
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
     certified: Any
@@ -2244,10 +2250,10 @@ class SearchResult(Record):
     regions: Table[RegionEntry]
     """One region for each piece that the search places. The piece may stand anywhere in its region."""
     whole_cell: Optional[TurnEntry]
-    """Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y and
-    yaw have ranges. At these angles, the objective grows by at most the percentage `indifference_percent` of
-    the cell file. Null if the layout is infeasible or misses a limit, or if equipment under an operation does
-    not rotate.
+    """Angles by which equipment may rotate as one body about the base axis. Equipment takes part in this
+    rotation if its x, y and yaw have ranges. At these angles, the objective grows by at most the percentage
+    `indifference_percent` of the cell file. Null if the layout is infeasible or misses a limit, or if
+    equipment under an operation does not take part.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2271,7 +2277,9 @@ class SearchResult(Record):
     `unit`.
     """
     islands: Optional[Table[IslandEntry]]
-    """Searches with successive seeds that were merged into this result. Present for `search --islands`."""
+    """Searches that were merged into this result. Their seeds are consecutive numbers. Present for `search
+    --islands`.
+    """
     seconds: Optional[float]
     """Duration of the search, s; left out in `search.json`."""
 
@@ -2319,7 +2327,7 @@ class SectionOutline(Record):
 
 
 class SenseEntry(Record):
-    """Sense: component of the error that counts, with its unit."""
+    """Sense: the error component that matters to an operation, with its unit."""
 
     name: str
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -2391,8 +2399,8 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Tightest permitted tolerances, one for each parameter whose error increases `least`. The list is sorted by
-    `without`, the least value first.
+    """Tightest permitted tolerances: one for each parameter whose error makes `least` larger. The list is sorted
+    by `without`, the least value first.
     """
 
     _nested = {
@@ -2459,7 +2467,7 @@ class SpotEntry(Record):
     requirement: Optional[RequirementEntry]
     """Limit and margin; null if the operation has no limit or no spot."""
     node: Optional[List[int]]
-    """Indices of the node of the spot along x and y of the surface."""
+    """Indices of the spot's node along the x and y axes of the surface."""
     position_mm: Optional[_Numbers]
     joints_deg: Optional[_Numbers]
     """Joint coordinates: degrees, or mm for a prismatic joint."""
@@ -2617,8 +2625,8 @@ class SweepPlan(Record):
     inputs: Table[HashedFile]
     """Hashes of the files that the combinations read; empty until the program has read these files."""
     sha256: Optional[str]
-    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
-    the text when it writes the file.
+    """Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to the
+    text when it writes the file.
     """
 
     _nested = {
@@ -2648,7 +2656,7 @@ class SweepRow(Record):
     evaluations: int
     """Number of layouts evaluated."""
     feasible_evaluations: int
-    """Number of feasible layouts among those evaluated."""
+    """Number of evaluated layouts that are feasible and, if a search ran, within every limit."""
     operations: Table[SweepSpot]
     layout: Dict[str, PlacementEntry]
     reasons: List[str]
@@ -2659,8 +2667,8 @@ class SweepRow(Record):
     NNNN.island.json.
     """
     sha256: Optional[str]
-    """SHA-256, in hexadecimal, of all bytes before the comma in front of this key. The program adds this key to
-    the text when it writes the file.
+    """Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to the
+    text when it writes the file.
     """
 
     _nested = {
@@ -2688,7 +2696,8 @@ class SweepSpot(Record):
     """
     requirement: Literal['not-guaranteed', 'none', 'met', 'missed']
     """State of the limit: `met`, `missed`, `not-guaranteed`, or `none` (no limit or no spot). The state `not-
-    guaranteed` means met without misplacement, but not proven for all misplacements.
+    guaranteed` means that the limit is met without misplacement, but is not proven to be met for all
+    misplacements.
     """
 
     _nested = {
@@ -2711,7 +2720,7 @@ class SweepStatus(Record):
     running, or if no worker has finished a combination.
     """
     hosts: Table[HostWork]
-    """Work that each host has done. Only workers of `sweep --claim` leave this information."""
+    """Work that each host has done. Only workers of `sweep --claim` record this information."""
     complete: bool
     """Whether the tables and the manifest of the sweep are written."""
 
@@ -2770,7 +2779,7 @@ class TestPoseEntry(Record):
     joints: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     ap_mm: float
-    """Median, over all simulated robots, of the pose accuracy AP at this pose."""
+    """Median of the pose accuracy AP of all simulated robots at this pose."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2779,7 +2788,7 @@ class TestPoseEntry(Record):
 
 
 class TestedFile(Record):
-    """File of measured positions with which the parameters are tested, but not identified."""
+    """File of measured positions that serve to test the parameters, but not to identify them."""
 
     file: str
     poses: int
@@ -2805,9 +2814,9 @@ class TestedFile(Record):
 
 
 class TightenEntry(Record):
-    """Gain from halving the tolerances of the parameters in `halved`. In the statistical reading, `of` and `to`
-    are the first-order quantity before and after the halving. In any other reading, `of` and `to` are the
-    worst case before and after the halving.
+    """Gain from halving the tolerances of the parameters in `halved`. In the statistical reading, the fields
+    `of` and `to` hold the first-order quantity before and after the halving. In any other reading, they hold
+    the worst case before and after the halving.
     """
 
     halved: List[str]
@@ -2832,7 +2841,7 @@ class ToolSheet(Record):
 
 
 class TotalEntry(Record):
-    """Error figures of a posture, for the component of the error that counts for the operation (its sense).
+    """Error figures of a posture, for the component of the error that matters for the operation (its sense).
     Worst case and statistics are null in the signed reading if the errors of the sample compensate each
     other. The program assumes such compensation if the error of a Denavit-Hartenberg length (r or l) exceeds
     the reach of the arm.
@@ -2880,9 +2889,9 @@ class TriedEntry(Record):
 
 
 class TurnEntry(Record):
-    """Rotation of equipment, as one body, about the base axis: the vertical line through the origin of the robot
-    base. Equipment rotates if the search varies its x, y and yaw over ranges. Carried equipment rotates only
-    with its carrier.
+    """Rotation of equipment as one body about the base axis (the vertical line through the origin of the robot
+    base). Equipment takes part in this rotation if the search varies its x, y and yaw over ranges. Carried
+    equipment rotates only with its carrier.
     """
 
     turn_deg: _Numbers
@@ -2968,9 +2977,9 @@ class VerdictDocument(Record):
     """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Angles by which equipment may rotate as one body about the base axis. Equipment rotates if its x, y and
-    yaw have ranges. At these angles, the layout stays within every limit. Null if the layout is infeasible or
-    misses a limit, or if equipment under an operation does not rotate.
+    """Angles by which equipment may rotate as one body about the base axis. Equipment takes part in this
+    rotation if its x, y and yaw have ranges. At these angles, the layout stays within every limit. Null if
+    the layout is infeasible or misses a limit, or if equipment under an operation does not take part.
     """
     reasons: List[str]
     """Reasons why the answer is no."""

@@ -42,7 +42,7 @@ pub fn is_urdf(path: &Path) -> bool {
     has_extension(path, &["urdf"])
 }
 
-/// Returns whether a file has the extension of a file that states a calibration: YAML, conf or URDF.
+/// Returns whether a file has the extension of a file that contains a calibration: YAML, conf or URDF.
 /// `calibrate` takes the errors from such a file, and fits nothing.
 pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
@@ -107,7 +107,7 @@ pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedR
     })
 }
 
-/// Runs `sweetspot calibrate` for a file that states a calibration.
+/// Runs `sweetspot calibrate` for a file that contains a calibration.
 pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -> Result<Exit, Exit> {
     if a.data.len() > 1 || !a.test.is_empty() || a.joints.is_some() {
         output::error(&format!("{} contains a calibration: give no other file with it", path_word(path)));

@@ -78,7 +78,7 @@ source = "the table was placed by sweetspot init within the reach of the arm; th
 errors = "{errors}"
 
 # How errors are read: "worst-case" (the worst combination of the tolerances) or "statistical" (random variables).
-# `quantity` is the statistic that counts: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
+# `quantity` is the assessed statistic: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
 # "signed".
 {reading}
 
@@ -109,7 +109,7 @@ on = "table"
 grid = [4, 6]        # divisions along x and y: 5 x 7 nodes
 standoff_mm = {standoff}    # height of the TCP above the surface
 bend_deg = {bend}       # elevation of the tool axis: -90 points down, 0 is horizontal
-{spins}sense = "xyz"        # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
+{spins}sense = "xyz"        # direction in which the error is assessed: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
 # limit_mm = 1       # largest allowed error: a search then reports whether the limit is met, and the margin
 
 {SEARCH}"#,

@@ -35,7 +35,7 @@ source = "placements made up by sweetspot init; the robot file states the source
 errors = "{errors}"
 
 # How errors are read: "worst-case" (the worst combination of the tolerances) or "statistical" (random variables).
-# `quantity` is the statistic that counts: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
+# `quantity` is the assessed statistic: "rms", "mean", "p95", "p99" or "yield". A measured sample has the reading
 # "signed".
 reading = "statistical"
 quantity = "p95"
@@ -88,7 +88,7 @@ on = "{}"
 grid = [6, 4]        # divisions along x and y: 7 x 5 nodes
 standoff_mm = {standoff}{}# height of the TCP above the surface
 bend_deg = -90       # elevation of the tool axis: -90 points down
-{spin}sense = "xy"         # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
+{spin}sense = "xy"         # direction in which the error is assessed: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
 # limit_mm = 1       # largest allowed error: a search then reports whether the limit is met, and the margin
 
 [operation.picking]

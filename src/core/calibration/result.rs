@@ -80,7 +80,7 @@ pub fn calibrate(
 ) -> Result<Calibration, String> {
     let equations: usize = sessions.iter().map(|s| 3 * s.measured.len()).sum();
     let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
-    // The data need not determine the harmonics, so harmonics do not count here.
+    // The data need not determine the harmonics, so harmonics are left out here.
     let parameters: Vec<usize> = (0..unknowns.len()).filter(|&k| !unknowns[k].is_harmonic()).collect();
     let count = parameters.len() + of_sessions;
     if equations < count {

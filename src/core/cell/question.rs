@@ -100,7 +100,7 @@ impl Cell {
     ///
     /// # Errors
     /// Returns every reason why the interpretation in `interpretation` cannot be applied to the errors of
-    /// this cell. Different units of the senses do not count as a reason.
+    /// this cell. Different units of the senses are no such reason.
     pub fn with_interpretation_per_operation(
         &self,
         interpretation: &Interpretation,
@@ -261,7 +261,7 @@ impl Cell {
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));
-        // A taught frame moves with its equipment, so errors of the equipment do not count.
+        // A taught frame moves with its equipment, so errors of the equipment are ignored.
         let is_used = |k: usize| {
             registration != Registration::Taught && self.operations.iter().any(|o| o.equipment == k)
         };

@@ -269,7 +269,7 @@ impl ValueBound {
         total * total * lever.max(1.0) * turned
     }
 
-    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error counts,
+    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error is assessed,
     /// m.
     fn levers(&self, chain: &Chain, boxed: &BoxedPosture<'_>) -> [f64; MAX_JOINTS + 1] {
         let frames = boxed.frames;

@@ -87,7 +87,7 @@ fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
     from(a, b).min(from(b, a))
 }
 
-/// Returns the area in plan, m^2, of the convex hull of robot base and equipment. Obstacles do not count.
+/// Returns the area in plan, m^2, of the convex hull of robot base and equipment. Obstacles are left out.
 pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));

@@ -155,7 +155,7 @@ impl Perturbation {
 
     /// Returns a copy of this sample in which the errors dtheta include the elastic deflections at a posture.
     ///
-    /// The field [`Self::elastic`] of the result is None, so that the deflections do not count twice.
+    /// The field [`Self::elastic`] of the result is None, so that the deflections are not counted twice.
     pub fn deflected(&self, frames: &Frames) -> Self {
         let mut at = self.clone();
         let Some(elastic) = at.elastic.take() else { return at };

@@ -31,7 +31,7 @@ impl Workcell {
     ///   The minimum is taken over all nodes at which an operation happens. Distances between floor spaces
     ///   also count, as the root sum square of the horizontal and the vertical distance. Horizontal distances
     ///   between floor spaces and the fence also count. The value is at most [`MAX_CLEARANCE`], which is also
-    ///   the value if collisions are not checked. Four kinds of distances do not count. The first is between
+    ///   the value if collisions are not checked. Four kinds of distances are left out. The first is between
     ///   a solid after the last joint and the equipment of the operation, because the standoff sets this
     ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
     ///   between two floor spaces, or a floor space and the fence, if neither can move. The fourth is between

@@ -31,7 +31,7 @@ pub struct OperationValue {
     pub spot: Spot,
     /// Spots of all nodes if the operation happens at every node.
     pub every_node: Option<Vec<Spot>>,
-    /// Value that counts in the objective (m, rad, share of failures, or cost of tolerances).
+    /// Value that enters the objective (m, rad, share of failures, or cost of tolerances).
     pub value: f64,
     /// Value that must be within the limit.
     pub worst: f64,
@@ -216,7 +216,7 @@ impl Judgement<'_> {
         SpotQuery { workcell: self.workcell, placed: self.placed, operation, spots }
     }
 
-    /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective
+    /// Certifies a held spot, if a certificate is demanded. Returns the value that enters the objective
     /// and the value that must be within the limit. Returns None if both equal the value without
     /// misplacements.
     fn certified(

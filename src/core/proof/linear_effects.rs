@@ -12,7 +12,7 @@ use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws};
 use nalgebra::{Matrix3, Vector3};
 
 /// Effect of one small motion in the chain on the measured point, at one posture. The measured point is the
-/// point whose error counts in the sense.
+/// point whose error the sense measures.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effect {
     /// Displacement of the measured point, per unit of the motion.

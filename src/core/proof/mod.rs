@@ -1,6 +1,6 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
-//! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
+//! The problem is relaxed. Collisions and overlaps are ignored. Each operation chooses its spot
 //! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits.
@@ -174,7 +174,7 @@ pub struct OperationBound {
     /// Least value found, with the joint coordinates of the posture that gives this value.
     ///
     /// The posture stays within the joint limits. It also stays within the ranges of height, tool elevation
-    /// and distance from the robot base over all layouts. Collisions do not count.
+    /// and distance from the robot base over all layouts. Collisions are ignored.
     pub witness: Option<(f64, JointVector)>,
 }
 

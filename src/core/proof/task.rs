@@ -32,7 +32,7 @@ pub(super) struct Task<'a> {
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the TCP.
     to_tip: RigidPieces,
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the measured point. The
-    /// measured point is the point whose error counts in the sense.
+    /// measured point is the point whose error the sense measures.
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,

@@ -88,7 +88,7 @@ impl ErrorSources {
                 list.push(ErrorSource { robot: Some(k), mean, ..source });
             }
         }
-        // A taught frame moves with the equipment, so the errors of the equipment do not count.
+        // A taught frame moves with the equipment, so the errors of the equipment are ignored.
         for e in at.into_iter().flatten().filter(|_| cell.registration != Registration::Taught) {
             let Some(errors) = &cell.equipment[e].errors else { continue };
             let spreads = errors.tolerance();

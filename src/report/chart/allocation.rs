@@ -59,7 +59,7 @@ fn under(d: &AllocationDocument) -> Vec<String> {
         vec![format!("cost {} now, {} with the cheapest tolerances", short(d.cost_before), short(cost))];
     lines.extend(d.uniform.map(|u| {
         format!(
-            "one common factor for all tolerances costs {}; the cheapest tolerances save {} % of this cost",
+            "uniform tightening costs {}; the cheapest tolerances save {} % of this cost",
             short(u.cost),
             rounded(u.saving_percent, 1)
         )

@@ -124,14 +124,14 @@ fn costs(d: &AllocationDocument) -> String {
     let _ = match &d.uniform {
         Some(u) => writeln!(
             out,
-            "  multiplying every tolerance by {} costs {}; the cheapest tolerances save {} % of this cost",
+            "  uniform tightening (scale {}) costs {}; the cheapest tolerances save {} % of this cost",
             fixed(u.scale, 4),
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
         ),
         None => writeln!(
             out,
-            "  no common factor was found that meets the limits and keeps every tolerance within its range"
+            "  no common scale of all tolerances meets the limits"
         ),
     };
     let _ = writeln!(

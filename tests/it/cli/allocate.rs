@@ -63,7 +63,7 @@ fn the_text_tells_costs_limits_and_what_to_do_next() {
     for part in [
         "the worst case of assembly at most 20 mm at node",
         "cost 11.000000 now",
-        "multiplying every tolerance by",
+        "uniform tightening (scale",
         "the cheapest tolerances save",
         "raising this limit by 0.1 mm would save",
         "according to the nonlinear model",
