@@ -103,7 +103,7 @@ impl Displacement {
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns this motion, described by the displacement of another reference point, without approximation.
+    /// Returns the exact description of this motion by the displacement of another reference point.
     ///
     /// The vector `arm` (m) leads from the reference point of `self` to the other point.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
@@ -113,7 +113,7 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns this motion, described by the displacement of another reference point, to first order.
+    /// Returns the first-order description of this motion by the displacement of another reference point.
     ///
     /// The vector `arm` (m) leads from the reference point of `self` to the other point. The displacement of
     /// the other point is `p + w x arm`, where p is `position` and w is `rotation`.
@@ -123,17 +123,17 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// The reference points of `self`, `next` and the result lie at one place, which does not move. The field
-    /// `position` of each motion is the displacement of the point that is at this place before that motion.
+    /// The reference points of `self`, `next` and the result lie at one fixed place O. The field `position` of
+    /// a motion is the displacement of the body point that lies at O just before this motion.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
         Self { position: self.position + turn.moved(&self.position) + next.position, rotation }
     }
 
-    /// Returns the motion that undoes `self`. The reference points of both motions lie at one place, which
-    /// does not move. The field `position` of each motion is the displacement of the point that is at this
-    /// place before that motion.
+    /// Returns the motion that undoes `self`. The reference points of both motions lie at one fixed place
+    /// O. The field `position` of a motion is the displacement of the body point that lies at O just before
+    /// this motion.
     pub fn inverse(&self) -> Self {
         let turn = SmallRotation::of(&-self.rotation);
         Self { position: -(self.position + turn.moved(&self.position)), rotation: -self.rotation }

@@ -118,7 +118,7 @@ pub struct AllocatedEntry {
     pub cost: Option<f64>,
     /// Name of the chosen grade; null for a continuous cost.
     pub grade: Option<String>,
-    /// End of the permitted range at which the tolerance lies; null if the tolerance lies between the ends.
+    /// If the tolerance lies at an end of its permitted range, this end. Null if it lies between the ends.
     pub at_end: Option<ToleranceEnd>,
 }
 

@@ -22,8 +22,8 @@ pub struct ErrorsDocument {
     pub robot: String,
     /// Name of the error set, as in the TOML table that `errors --toml` prints.
     pub name: String,
-    /// Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
-    /// error set of the robot.
+    /// True if the tolerances are guesses, either from a preset or from a data sheet. If false, the
+    /// tolerances come from an error set of the robot.
     pub guess: bool,
     /// Description of the origin of the tolerances, as in the TOML table that `errors --toml` prints.
     pub source: String,

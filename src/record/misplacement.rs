@@ -61,7 +61,7 @@ pub struct RobustnessEntry {
     /// depends. Empty if none of these placements has a tolerance.
     pub tolerance: MovesByName,
     /// Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of the
-    /// robot base and of all equipment. Equipment that `tolerance` leaves out is included.
+    /// robot base and of all equipment, also of equipment that `tolerance` does not list.
     pub corners: usize,
     /// Evaluated corner of the tolerance boxes at which the operation has its greatest value. Null if
     /// `tolerance` is empty, or if the operation cannot be done at any corner.
@@ -144,16 +144,16 @@ pub struct LargestEntry {
     pub ended: Option<EndedEntry>,
 }
 
-/// Reason why a misplacement larger than `most` of `LargestEntry` is not allowed.
+/// Reason why no misplacement larger than `LargestEntry.most` is allowed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
     /// Misplacement at which the operation cannot be done. This misplacement is 0 if the operation cannot be
-    /// done even without misplacement. Otherwise, this misplacement is larger than `most` of `LargestEntry`.
+    /// done even without misplacement. Otherwise, this misplacement is larger than `LargestEntry.most`.
     Lost(LostEntry),
     /// Misplacement at which the value of the operation exceeds the limit. This misplacement is 0 if the
-    /// value exceeds the limit even without misplacement. Otherwise, this misplacement is larger than `most`
-    /// of `LargestEntry`.
+    /// value exceeds the limit even without misplacement. Otherwise, this misplacement is larger than
+    /// `LargestEntry.most`.
     Limit(CornerEntry),
 }
 

@@ -35,8 +35,8 @@ pub struct SweepPlan {
     /// Whether a search runs for every combination. If false, the layout of the cell file is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
-    /// Flags of the command `search --islands`. This command runs one search per seed and plans every search
-    /// as a combination of a sweep. The flags apply to all searches, and `sets` contains the seeds. Left out
+    /// Flags of the command `search --islands`. This command is run as a sweep: each seed gives one
+    /// combination, and each combination is one search. The flags apply to all searches, and `sets` contains the seeds. Left out
     /// in the plan of the command `sweep`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub island_flags: Option<Vec<Setting>>,
@@ -139,8 +139,8 @@ pub struct SweepRow {
     pub layout: ByName<PlacementEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Files of the combination with their hashes: the cell file with the layout fixed, and the file with the
-    /// settings. Empty if the layout is not feasible. For an island of a search, the only file is
+    /// Files of the combination with their hashes: the cell file with this layout as fixed placements, and
+    /// the file with the settings. Empty if the layout is not feasible. For an island of a search, the only file is
     /// NNNN.island.json.
     pub files: Vec<HashedFile>,
     /// Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to

@@ -152,7 +152,7 @@ pub struct VerdictPlacement {
     /// Largest distance by which the piece may be displaced in every direction in plan. Null if the distance
     /// is not known.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be rotated in both directions; null if the angle is not known.
+    /// Largest angle by which the piece may be rotated in either direction; null if the angle is not known.
     pub room_deg: Option<f64>,
     /// Reason why the room is not larger; null if the room is not known.
     pub ends_with: Option<String>,

@@ -1,6 +1,6 @@
 //! Work objects for robot controllers: frames of the equipment in the frame of the robot base, and spots.
 //!
-//! ISO 9787 names the frames: the base frame of the robot, and the task frame. Manufacturers use
+//! The terms base frame (of the robot) and task frame are those of ISO 9787. Manufacturers use
 //! other names for the task frame: "base", "work object", "feature" or "user frame". Each controller
 //! states rotations in its own way:
 //!

@@ -54,9 +54,9 @@ impl LayoutFrames {
             robot: cell.robot.name.clone(),
             layout: drawing.name.clone(),
             warning: match (drawing.is_feasible, drawing.meets_limits) {
-                (false, _) => {
-                    Some("WARNING: this layout is NOT FEASIBLE. Do not build it, and do not use these frames.")
-                }
+                (false, _) => Some(
+                    "WARNING: this layout is NOT FEASIBLE. Do not build it, and do not use these frames.",
+                ),
                 (true, false) => Some("WARNING: this layout does not meet every limit."),
                 (true, true) => None,
             },

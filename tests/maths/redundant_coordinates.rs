@@ -116,8 +116,9 @@ fn arms() -> Vec<FreeArm> {
     ]
 }
 
-/// The scan has 721 values of a redundant joint or 720 spins, or 241 values of the joint with 72 spins each.
-/// A value counts as worse if it exceeds the value of the scan by more than 0.1 % and 1 um.
+/// The scan has 721 values of a redundant joint or 720 spins. If joint and spin are both free, the scan has
+/// 241 values of the joint with 72 spins each. A value counts as worse if it exceeds the value of the scan
+/// both by more than 0.1 % and by more than 1 um.
 ///
 /// The full test compares 1 000 poses of each arm:
 /// `SWEETSPOT_TEST_CASES=full cargo test --test maths redundant_coordinates:: -- --nocapture`.

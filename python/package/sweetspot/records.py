@@ -55,7 +55,7 @@ class AllocatedEntry(Record):
     grade: Optional[str]
     """Name of the chosen grade; null for a continuous cost."""
     at_end: Optional[Literal['tightest', 'loosest']]
-    """End of the permitted range at which the tolerance lies; null if the tolerance lies between the ends."""
+    """If the tolerance lies at an end of its permitted range, this end. Null if it lies between the ends."""
 
     _nested = {
         'scale_range': ('numbers', ''),
@@ -641,8 +641,8 @@ class ErrorsDocument(Record):
     name: str
     """Name of the error set, as in the TOML table that `errors --toml` prints."""
     guess: bool
-    """Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
-    error set of the robot.
+    """True if the tolerances are guesses, either from a preset or from a data sheet. If false, the tolerances
+    come from an error set of the robot.
     """
     source: str
     """Description of the origin of the tolerances, as in the TOML table that `errors --toml` prints."""
@@ -1732,9 +1732,9 @@ class ReadingsDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     operations: Table[OperationReadings]
     largest_regret: Optional[RegretEntry]
-    """Largest regret over all operations, readings and registrations. A regret is `at_signed_choice` divided by
-    `value` of one entry in `readings`. Null if no regret is known, for example if the signed reading has no
-    spot.
+    """Largest regret over all operations, readings and registrations. The regret of an entry in `readings` is
+    its `at_signed_choice` divided by its `value`. Null if no regret is known, for example if the signed
+    reading has no spot.
     """
     findings: List[str]
     """Findings in sentences."""
@@ -1799,8 +1799,8 @@ class RegionEntry(Record):
     not displace the piece in plan.
     """
     room_deg: Optional[float]
-    """Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate the
-    piece.
+    """Largest angle by which the piece may be rotated in either direction. Null if the search does not rotate
+    the piece.
     """
     ends_with: str
     """Reason why `room_mm` is not larger. If `room_mm` is null, the reason applies to `room_deg`."""
@@ -2119,7 +2119,7 @@ class RobustnessEntry(Record):
     """
     corners: int
     """Number of evaluated corners of the tolerance boxes. These boxes span the placement tolerances of the robot
-    base and of all equipment. Equipment that `tolerance` leaves out is included.
+    base and of all equipment, also of equipment that `tolerance` does not list.
     """
     worst: Optional[CornerEntry]
     """Evaluated corner of the tolerance boxes at which the operation has its greatest value. Null if `tolerance`
@@ -2613,9 +2613,9 @@ class SweepPlan(Record):
     """Whether a search runs for every combination. If false, the layout of the cell file is mapped."""
     sets: Table[Choices]
     island_flags: Optional[Table[Setting]]
-    """Flags of the command `search --islands`. This command runs one search per seed and plans every search as a
-    combination of a sweep. The flags apply to all searches, and `sets` contains the seeds. Left out in the
-    plan of the command `sweep`.
+    """Flags of the command `search --islands`. This command is run as a sweep: each seed gives one combination,
+    and each combination is one search. The flags apply to all searches, and `sets` contains the seeds. Left
+    out in the plan of the command `sweep`.
     """
     seed: Optional[int]
     """Seed of every combination; null means the seed of the cell."""
@@ -2662,8 +2662,8 @@ class SweepRow(Record):
     reasons: List[str]
     """Reasons why the layout is not feasible."""
     files: Table[HashedFile]
-    """Files of the combination with their hashes: the cell file with the layout fixed, and the file with the
-    settings. Empty if the layout is not feasible. For an island of a search, the only file is
+    """Files of the combination with their hashes: the cell file with this layout as fixed placements, and the
+    file with the settings. Empty if the layout is not feasible. For an island of a search, the only file is
     NNNN.island.json.
     """
     sha256: Optional[str]
@@ -2907,7 +2907,10 @@ class TurnEntry(Record):
 
 
 class UniformEntry(Record):
-    """Uniform tightening: one scale for all tolerances, chosen so that every limit is met."""
+    """Uniform tightening: the loosest common scale of all tolerances with which every limit is met. Where this
+    scale lies outside the range of a tolerance, the nearest end of the range applies. A tolerance with grades
+    gets the loosest grade that is at least as tight as the scale.
+    """
 
     scale: float
     cost: float
@@ -3007,7 +3010,7 @@ class VerdictPlacement(Record):
     not known.
     """
     room_deg: Optional[float]
-    """Largest angle by which the piece may be rotated in both directions; null if the angle is not known."""
+    """Largest angle by which the piece may be rotated in either direction; null if the angle is not known."""
     ends_with: Optional[str]
     """Reason why the room is not larger; null if the room is not known."""
 

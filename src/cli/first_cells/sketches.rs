@@ -128,12 +128,12 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
     hitachi(
         "hitachi-parallelogram",
-        "the arm of the seed paper with a parallelogram, worktable and conveyor",
+        "the arm of the seed paper (with a parallelogram), worktable and conveyor",
         "hitachi_pw10_parallelogram",
     ),
     hitachi(
         "hitachi-urdf",
-        "the arm of the seed paper from a URDF, worktable and conveyor",
+        "the arm of the seed paper (read from a URDF), worktable and conveyor",
         "hitachi_pw10_urdf",
     ),
     Sketch {

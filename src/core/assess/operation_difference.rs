@@ -66,7 +66,7 @@ impl OperationDifference {
 }
 
 impl Comparison<'_> {
-    /// Compares every operation of layout `column` with the first layout, node by node.
+    /// Compares the layout in column `column` with the first layout, operation by operation and node by node.
     ///
     /// # Errors
     /// Returns a message if the two layouts have their nodes at different places on the surface.

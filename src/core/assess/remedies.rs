@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Remedy {
-    /// No remedy: the layout as drawn with all errors.
+    /// No remedy: the layout as drawn, with all errors present.
     AsDrawn,
     /// The controller compensates the identified errors; the layout is as drawn.
     Calibrated,

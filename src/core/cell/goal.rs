@@ -13,9 +13,9 @@ pub enum Goal {
     /// Error, minimized: objective that combines the values of the operations. The objective is a length in
     /// m, an angle in rad, a share of failures or a cost.
     Error,
-    /// Clearance, m, maximized: least of all distances of two kinds. The first kind is between the robot and
-    /// other objects at the operations. The second kind is between floor spaces, or between a floor space and
-    /// the fence.
+    /// Clearance, m, maximized: the smallest distance. Two kinds of distance count. The first kind is between
+    /// the robot and other objects at the operations. The second kind is between floor spaces, or between a
+    /// floor space and the fence.
     Clearance,
     /// Distance from joint limits, maximized: least distance of a joint from its nearer limit. The distance
     /// is a share of half the range of the joint.

@@ -37,7 +37,7 @@ const ON_TARGET: f64 = 1e-9;
 pub struct Correction {
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
-    /// Nominal pose of the TCP at these coordinates, base frame: the pose command.
+    /// Pose command: the nominal pose of the TCP at these coordinates, in the base frame.
     pub command: Pose,
     /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base
     /// frame.

@@ -2,7 +2,7 @@
 
 use crate::cell::{JointVector, MAX_JOINTS, Robot};
 
-/// Time (s) from rest to full speed that a joint is assumed to need if the robot file states no acceleration.
+/// Time (s) that a joint is assumed to need from rest to full speed if the robot file states no acceleration.
 ///
 /// Joints of collaborative arms need a little more than this time in typical programs. For example, a joint
 /// reaches 60 degrees per s in 0.75 s at 80 degrees per s^2. Fast industrial arms need less time: 0.2 to

@@ -166,8 +166,9 @@ impl Field {
     /// Returns the size of one component of the error at a node, m.
     ///
     /// The index `take` into [`Field::takes`] selects the model and the reading. If `is_signed` is true, the
-    /// result is the signed component along an axis, or the length of the resultant. Otherwise the result is
-    /// the unsigned value that the reading gives. Returns None for a node without a usable posture.
+    /// result is the signed component along an axis. For [`Component::Resultant`], it is then the length of
+    /// the error vector. If `is_signed` is false, the result is the unsigned value that the reading gives.
+    /// Returns None for a node without a usable posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;

@@ -16,8 +16,8 @@ pub struct DrawnRegion {
     /// Largest distance, m, by which the piece may be displaced in every direction in plan
     /// ([`Region::room`]). None if neither x nor y may vary.
     pub room: Option<f64>,
-    /// Largest angle, rad, by which the piece may be rotated in both directions ([`Region::turn`]). None if
-    /// the yaw may not vary.
+    /// Largest angle, rad, by which the piece may be rotated in either direction ([`Region::turn`]). None if
+    /// the yaw is not a coordinate that may vary.
     pub turn: Option<f64>,
 }
 

@@ -25,8 +25,8 @@ const SHARP: f64 = 0.5;
 /// Outline of a solid in the plane of a view (right, up), m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
-    /// Closed outlines. If they are filled by the nonzero rule, the filled area is the projection of the
-    /// solid.
+    /// Closed outlines. If the outlines are filled by the nonzero rule, the filled area is the projection of
+    /// the solid.
     pub loops: Vec<Vec<Vector2<f64>>>,
     /// Sharp edges inside the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,

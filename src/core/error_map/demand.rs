@@ -5,7 +5,7 @@ use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
 /// Demand for certificates: every posture must work at every misplacement within the placement tolerances.
 ///
-/// The data are the same for all postures of the layout.
+/// One demand serves all postures of the layout.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,

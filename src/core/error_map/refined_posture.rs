@@ -7,8 +7,8 @@
 //! coordinates. The refined posture must be usable, too: collision-free, allowed by the motion rules and, if
 //! demanded, certified.
 //!
-//! A layout to build must leave room to place its pieces. Its postures are therefore not refined up to the
-//! edge of what is certified, nor in narrow ranges.
+//! Layouts to build must leave room for placing their pieces. Their postures are therefore not refined up to
+//! the edge of what is certified, nor in narrow ranges.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;

@@ -119,7 +119,7 @@ pub struct Robustness {
     pub scale: Option<Largest>,
     /// Largest horizontal displacement of the equipment that is allowed in every direction, m.
     pub shift: Largest,
-    /// Largest rotation of the equipment about the vertical that is allowed in both directions, rad.
+    /// Largest rotation of the equipment about the vertical that is allowed in either direction, rad.
     pub turn: Largest,
 }
 

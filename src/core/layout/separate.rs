@@ -54,10 +54,10 @@ impl FreeCoordinate {
     }
 }
 
-/// Returns a layout that has no overlaps and differs little from `layout`. A few convex programs compute the
-/// new layout.
+/// Returns a layout that has no overlaps and differs little from `layout`. The new layout is found by solving
+/// a few convex optimization problems.
 ///
-/// Returns None if these programs find no such layout, or if `layout` does not belong to the cell. A layout
+/// Returns None if their solutions give no such layout, or if `layout` does not belong to the cell. A layout
 /// without overlaps is returned unchanged.
 pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     if workcell.cell.misfit(layout).is_some() {

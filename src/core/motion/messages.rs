@@ -53,7 +53,7 @@ impl TransferRoute {
 }
 
 impl Blocked {
-    /// Describes in words the hindrance on every route, with the names that the cell gives to its parts.
+    /// Describes in words what blocks each route. Joints, operations and solids are named as in the cell.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |k: usize| shown(&cell.operations[k].name);
         let tries =

@@ -173,8 +173,8 @@ pub struct OperationBound {
     pub boxes: u64,
     /// Least value found, with the joint coordinates of the posture that gives this value.
     ///
-    /// The posture stays within the joint limits. It also stays within the ranges of height, tool elevation
-    /// and distance from the robot base over all layouts. Collisions are ignored.
+    /// The posture stays within the joint limits. It also stays within the ranges that height, tool
+    /// elevation and distance from the robot base cover over all layouts. Collisions are ignored.
     pub witness: Option<(f64, JointVector)>,
 }
 

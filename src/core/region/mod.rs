@@ -98,8 +98,8 @@ pub struct Region {
     /// A coordinate may vary if the search varies it over a range. In a cell without search variables, a
     /// coordinate with a placement tolerance may vary within a window.
     pub room: Option<f64>,
-    /// Largest angle, rad, by which the piece may be rotated in both directions; None if the yaw may not vary
-    /// ([`Self::room`]).
+    /// Largest angle, rad, by which the piece may be rotated in either direction. None if the yaw is not a
+    /// coordinate that may vary ([`Self::room`]).
     pub turn: Option<f64>,
     /// Reason why [`Self::room`] is not larger. If neither x nor y may vary, this is the reason why
     /// [`Self::turn`] is not larger. If only z may vary, the value is [`RoomEnd::Range`].

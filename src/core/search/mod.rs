@@ -179,7 +179,7 @@ pub fn search_job(
     let mut alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
     let mut record = journal.record.clone();
     let mut best = candidate(workcell, space.layout(&record.point));
-    // The search rounds coordinates, so the unrounded layout in the file may be better. A layout to build
+    // The search rounds coordinates, so the unrounded layout in the file may be better. Layouts to build
     // must have rounded coordinates.
     if workcell.cell.search.ideal && start.evaluation.cost < best.evaluation.cost {
         best = start.clone();

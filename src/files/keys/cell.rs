@@ -78,7 +78,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with the keys `on`, `grid`, `bend_deg` and `sense`");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height or in plan. The distance in plan is measured parallel to a side of either floor space. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
+        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height or in plan. The distance in plan is measured parallel to a side of either floor space. Default in a search for layouts to build: 10. Default otherwise: 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world frame.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Collision check of two kinds of motions: from one operation to the next, and from one listed point of an operation to the next.");

@@ -9,9 +9,9 @@ pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "number
 
 key_table! {
     margins, "margins", "Least distance of postures from joint limits and singular postures.", {
-        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance of the coordinate of a revolute joint from its limits. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
-        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance of the coordinate of a prismatic joint from its limits. If left out, it is 2 in a search for a layout to build (less if the joint has little travel), otherwise 0.");
-        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least allowed singularity measure: the smallest singular value of the Jacobian, in which lengths are divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build, otherwise 0.").example("0.02");
+        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance of the coordinate of a revolute joint from its limits. Default in a search for layouts to build: 2, or less if the joint has little travel. Default otherwise: 0.");
+        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance of the coordinate of a prismatic joint from its limits. Default in a search for layouts to build: 2, or less if the joint has little travel. Default otherwise: 0.");
+        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least allowed singularity measure: the smallest singular value of the Jacobian, in which lengths are divided by the reach of the arm. Default in a search for layouts to build: 0.02. Default otherwise: 0.").example("0.02");
     }
 }
 

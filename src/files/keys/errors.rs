@@ -109,9 +109,9 @@ key_table! {
 
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint under the weight of everything at and beyond the end of a link. The deflection is deg_per_m times the horizontal lever of this link about the joint axis, in m.", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Number (counted from 1) or name of the revolute joint that deflects.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
         LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Number of the D-H row of the link whose horizontal lever is used: the row of the joint or a later row. The link extends from the frame before this row to the frame after it.").required().example("3").remedy("add link = 3, the number of the D-H row of the link");
-        VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
+        VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per unit length of the lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
 
@@ -125,7 +125,7 @@ const fn coefficients(name: &'static str, example: &'static str, help: &'static 
 
 key_table! {
     periodic_error, "a periodic error", "Error of a joint that repeats with every turn of its coordinate q: the sum of cos_deg cos(k q) and sin_deg sin(k q) over the orders k = 1, 2, ...", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint with this error, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Number (counted from 1) or name of the revolute joint with this error.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
         COS = coefficients("cos_deg", "[0.004, 0]", "Coefficients of the cosines, one for each order, starting at order 1.").remedy("add cos_deg = [...], a number for each order");
         SIN = coefficients("sin_deg", "[0, -0.01]", "Coefficients of the sines, one for each order, starting at order 1.").remedy("add sin_deg = [...], a number for each order");
     }

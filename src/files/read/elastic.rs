@@ -104,7 +104,7 @@ pub fn refuse_too_many(set: &ErrorSet, t: &mut Table) {
         t.error(
             t.at,
             message,
-            "leave out errors that have the same effect as others, such as errors of joint frames",
+            "leave out errors (such as those of joint frames) that have the same effect as other errors",
         );
     }
 }

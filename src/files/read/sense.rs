@@ -112,7 +112,7 @@ fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
         return None;
     }
     if t.get(&any_term::WEIGHT).is_some() {
-        let help = "remove weight: mm_per_deg already says how much the rotation counts";
+        let help = "remove the key `weight`, because `mm_per_deg` already says how much the rotation counts";
         t.error(node.at, "a rotation has `weight` or `mm_per_deg`, not both", help);
     }
     t.number(&any_term::LEVER)

@@ -31,7 +31,7 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let what = match lens.is_signed() {
         true => "error in x and y".to_string(),
         false => {
-            format!("{} in x and y, drawn along and against the worst-case error", lens.reading_word())
+            format!("{} in x and y, drawn in both directions along the worst-case error", lens.reading_word())
         }
     };
     let canvas = &mut plan.canvas;

@@ -32,8 +32,8 @@ type ErrorOf = fn(&ComparedPosition) -> &[f64; 3];
 /// Names of the axes with their units.
 pub const AXIS_NAMES: [&str; 3] = ["x / mm", "y / mm", "z / mm"];
 
-/// Draws the measured and predicted errors of one file as arrows in the base frame of the robot. All arrows
-/// are enlarged by one factor.
+/// Draws the errors of one measurement file, measured and predicted, as arrows in the base frame of the
+/// robot. All arrows are enlarged by one factor.
 pub fn measured(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_ARROWS);
     let drawn: Vec<_> = file.positions.iter().step_by(every).collect();

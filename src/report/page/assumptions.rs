@@ -47,7 +47,7 @@ fn registration(cell: &Cell) -> &'static str {
             "the base frame is fitted to the robot over all postures within the joint limits: the errors that this fit cancels are removed"
         }
         Registration::Taught => {
-            "the frame of every surface is taught with the robot at three points: the errors that the taught frame cancels are removed"
+            "the frame of every surface is taught by touching three points with the robot, so the errors that the taught frame cancels are removed"
         }
     }
 }

@@ -251,13 +251,13 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         }
         false if r.is_unproven() => {
             let most = quantity(unit, r.limit - r.margin);
-            let why = format!("over all misplacements, its error is only proven to be at most {most}");
+            let why = format!("the proven upper bound of its error over all misplacements is {most}");
             ("not guaranteed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
         // If the objective is a cost, `limit` is the cost of the tightest tolerances.
         true if unit == Unit::Cost => (
             "met",
-            format!("{name} stays within its limit (cost of the tightest tolerances: {limit})"),
+            format!("{name} meets its limit; the tightest tolerances would cost {limit}"),
             FactMood::Good,
         ),
         false if unit == Unit::Cost => {

@@ -129,10 +129,7 @@ fn costs(d: &AllocationDocument) -> String {
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
         ),
-        None => writeln!(
-            out,
-            "  no common scale of all tolerances meets the limits"
-        ),
+        None => writeln!(out, "  no common scale of all tolerances meets the limits"),
     };
     let _ = writeln!(
         out,

@@ -132,7 +132,7 @@ fn amount(unit: Unit, si: f64) -> String {
 /// Returns a line that states why a signed sample has no worst case and no statistics. Large errors of a
 /// calibrated arm may cancel each other. The magnitudes of such errors are not tolerances.
 pub fn no_tolerances() -> String {
-    format!("worst case and statistics: -, because {NO_TOLERANCES}")
+    format!("worst case and statistics have no values, because {NO_TOLERANCES}")
 }
 
 /// Returns operation, surface, node and position in one line.

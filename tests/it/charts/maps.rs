@@ -215,7 +215,8 @@ fn errors_without_a_sign_have_arrows_either_way() {
             .filter_map(|g| g.children().find(|n| n.has_tag_name("path")).and_then(|n| n.attribute("d")));
         let shafts: Vec<usize> = paths.map(|d| d.matches('M').count()).collect();
         assert!(!shafts.is_empty() && shafts.iter().all(|n| *n == ways), "{reading:?}: {shafts:?}");
-        let either = texts(&svg).iter().any(|t| t.contains("drawn along and against the worst-case error"));
+        let either =
+            texts(&svg).iter().any(|t| t.contains("drawn in both directions along the worst-case error"));
         assert_eq!(either, ways == 2, "{reading:?}");
     }
 }

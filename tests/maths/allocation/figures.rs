@@ -195,8 +195,8 @@ fn figures() {
     }
     put("\nThe last table compares searches for the least cost with searches for the least error. The cell is hitachi_cell, the\n\
          seed is 1, and both operations have the limit of the row. `allocate` computes the cost of each layout by the linear\n\
-         model, at the spots of the search. An ideal layout need only work as drawn. A layout to build must work everywhere\n\
-         within the placement tolerances, and leaves room to place the pieces. The last two columns are the times in seconds\n\
+         model, at the spots of the search. An ideal layout need only work as drawn. Layouts to build must work everywhere\n\
+         within the placement tolerances, and leave room to place the pieces. The last two columns are the times in seconds\n\
          of the search for the least error and of the search for the least cost, on two cores.\n\n\
          | reading | limit mm | layout | cost at the start | least error | cheapest | s by error | s by cost |\n\
          |---|---|---|---|---|---|---|---|\n".into());
