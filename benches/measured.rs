@@ -339,8 +339,8 @@ fn plan(data: &Data) {
 const ARMS: u64 = 40;
 /// Number of draws of poses for each simulated arm. The coverage of an arm is the median over its draws.
 const DRAWS: u64 = 3;
-/// Standard deviation of the independent errors of a simulated position per axis, m. The positions of the real
-/// arm differ by about as much from a fit to all four series.
+/// Standard deviation of the independent errors of a simulated position per axis, m. The positions of the
+/// real arm differ by about as much from a fit to all four series.
 const SIMULATED_NOISE: f64 = 6e-5;
 /// Largest number of positions of a simulated series.
 const POSES_OF_SIMULATED_SERIES: usize = 1000;

@@ -123,8 +123,8 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// The reference points of `self`, `next` and the result lie at one fixed place O. The field `position` of
-    /// a motion is the displacement of the body point that lies at O just before this motion.
+    /// The reference points of `self`, `next` and the result lie at one fixed place O. The field `position`
+    /// of a motion is the displacement of the body point that lies at O just before this motion.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();

@@ -23,9 +23,9 @@ pub struct ReadingsDocument {
     pub errors: String,
     pub model: Model,
     pub operations: Vec<OperationReadings>,
-    /// Largest regret over all operations, readings and registrations. The regret of an entry in
-    /// `readings` is its `at_signed_choice` divided by its `value`. Null if no regret is known, for example if the signed reading
-    /// has no spot.
+    /// Largest regret over all operations, readings and registrations. The regret of an entry in `readings`
+    /// is its `at_signed_choice` divided by its `value`. Null if no regret is known, for example if the
+    /// signed reading has no spot.
     pub largest_regret: Option<RegretEntry>,
     /// Findings in sentences.
     pub findings: Vec<String>,

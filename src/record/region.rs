@@ -32,8 +32,8 @@ pub struct RegionEntry {
     /// Largest distance by which the piece may be displaced in every direction in plan. Null if the search
     /// does not displace the piece in plan.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be rotated in either direction. Null if the search does not rotate
-    /// the piece.
+    /// Largest angle by which the piece may be rotated in either direction. Null if the search does not
+    /// rotate the piece.
     pub room_deg: Option<f64>,
     /// Reason why `room_mm` is not larger. If `room_mm` is null, the reason applies to `room_deg`.
     pub ends_with: String,

@@ -36,8 +36,8 @@ pub struct SweepPlan {
     pub search: bool,
     pub sets: Vec<Choices>,
     /// Flags of the command `search --islands`. This command is run as a sweep: each seed gives one
-    /// combination, and each combination is one search. The flags apply to all searches, and `sets` contains the seeds. Left out
-    /// in the plan of the command `sweep`.
+    /// combination, and each combination is one search. The flags apply to all searches, and `sets` contains
+    /// the seeds. Left out in the plan of the command `sweep`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub island_flags: Option<Vec<Setting>>,
     /// Seed of every combination; null means the seed of the cell.
@@ -140,8 +140,8 @@ pub struct SweepRow {
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     /// Files of the combination with their hashes: the cell file with this layout as fixed placements, and
-    /// the file with the settings. Empty if the layout is not feasible. For an island of a search, the only file is
-    /// NNNN.island.json.
+    /// the file with the settings. Empty if the layout is not feasible. For an island of a search, the only
+    /// file is NNNN.island.json.
     pub files: Vec<HashedFile>,
     /// Hexadecimal SHA-256 of all bytes before the comma in front of this key. The program adds this key to
     /// the text when it writes the file.

@@ -269,8 +269,8 @@ impl ValueBound {
         total * total * lever.max(1.0) * turned
     }
 
-    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error is assessed,
-    /// m.
+    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error is
+    /// assessed, m.
     fn levers(&self, chain: &Chain, boxed: &BoxedPosture<'_>) -> [f64; MAX_JOINTS + 1] {
         let frames = boxed.frames;
         let n = chain.axes();

@@ -70,9 +70,9 @@ impl MotionSequence<'_> {
     /// Computes the least time of the motion under the speed and acceleration limits of the joints.
     ///
     /// Every straight-line motion of the TCP begins and ends at rest. Every straight move in joint
-    /// coordinates also begins and ends at rest. The robot must stop at these points, because the direction of
-    /// the motion changes abruptly. Without checked moves, the robot moves directly from the end of each retract to the
-    /// next approach.
+    /// coordinates also begins and ends at rest. The robot must stop at these points, because the direction
+    /// of the motion changes abruptly. Without checked moves, the robot moves directly from the end of each
+    /// retract to the next approach.
     ///
     /// Returns None if the arm cannot follow an approach or a retract.
     pub fn time(&self, bounds: &RateBounds) -> Option<CycleTime> {

@@ -225,8 +225,8 @@ fn an_svg_is_well_formed_whatever_the_names() {
     });
 }
 
-/// Texts on one line of the legend do not overlap, and the last text ends inside the picture. A text of the SVG
-/// is as wide as in the stroke font.
+/// Texts on one line of the legend do not overlap, and the last text ends inside the picture. A text of the
+/// SVG is as wide as in the stroke font.
 #[test]
 fn texts_of_a_legend_do_not_overlap() {
     for name in ["panda_cell.toml", "drilling_cell.toml"] {

@@ -123,7 +123,7 @@ fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
         ),
         ("100 000 joints", joints(100_000, "revolute"), "more than"),
         ("1 100 joints", joints(1_100, "fixed"), "more than 1000 links"),
-        ("nine moving", joints(9, "revolute").replace("l9", "tool"), "9 joints move"),
+        ("nine moving", joints(9, "revolute").replace("l9", "tool"), "has 9 moving joints"),
         ("none moving", joints(9, "fixed").replace("l9", "tool"), "no joint between base and tip link moves"),
         ("huge", swap(first, "<axis xyz=\"0 0 1e400\"/>"), "must be finite"),
         ("large number", swap(first, "<axis xyz=\"0 0 1e9\"/>"), "must be finite"),
