@@ -61,9 +61,9 @@ pub struct PathSlack<'a> {
 /// solids of the robot must not touch, but need no clearance.
 ///
 /// The path consists of straight moves between the joint vectors in `knots`, rad or m. A path without a move
-/// is not checked, and the result is None. For any other path, None proves that no pair of [`Scene::pairs`]
-/// comes too near. The check of the robot base ([`Scene::base_hit`]) ignores `slack`. A reported contact may
-/// also be a near miss that the check does not resolve ([`RESOLUTION`]).
+/// is not checked, and the result is None. For any other path, None proves that no pair of
+/// [`Scene::each_pair`] comes too near. The check of the robot base ([`Scene::base_hit`]) ignores `slack`. A
+/// reported contact may also be a near miss that the check does not resolve ([`RESOLUTION`]).
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,
