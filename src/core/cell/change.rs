@@ -3,9 +3,10 @@
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
 use super::coordinate::Coordinate;
-use super::error_model::{ErrorSet, FrameErrors, Parameter, SignedErrors};
+use super::error_model::{ErrorSet, FrameErrors, SignedErrors};
 use super::layout::Slot;
 use super::model::Cell;
+use super::parameter::Parameter;
 use super::tolerance_cost::ToleranceCost;
 
 impl Cell {

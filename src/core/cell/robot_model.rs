@@ -1,6 +1,7 @@
 //! Model of a robot: plain data in SI units, valid by construction.
 
-use super::error_model::{ErrorSet, Parameter};
+use super::error_model::ErrorSet;
+use super::parameter::Parameter;
 use super::rate_limits::RateLimits;
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
