@@ -43,7 +43,7 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
     /// joint carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); the
+    /// Dimensionless factor of the periodic error of a revolute joint ([`super::SignedErrors::periodic`]); the
     /// factor 1 gives the full error. The stored index is that of the joint.
     Periodic(usize),
     /// Component of the error of the frame of a piece of equipment, in the axes of that frame.
