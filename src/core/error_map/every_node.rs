@@ -133,9 +133,10 @@ impl PlacedLayout<'_> {
         }
         query.setup.grid.targets(&query.at, |node, target| {
             // Once a node has failed, the remaining nodes matter only if they cannot be reached.
+            memory.postures.firsts.clear();
             let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
             let judged = match is_judged {
-                true => query.judged_node(node, target, has_families, None, &mut memory),
+                true => query.judged_node(node, target, has_families, &mut memory),
                 false => query.reached(&target, memory.postures).map(|()| None),
             };
             match judged {
@@ -167,9 +168,6 @@ impl OperationQuery<'_> {
     /// Returns the outcome at one node: the least-error usable posture, or the reason why there is none.
     /// Returns None if the robot touches the node to teach the frame.
     ///
-    /// The search for the worst node needs no outcome of a node whose value is certainly below `floor`. The
-    /// function may therefore return None if a usable posture has a value below `floor`.
-    ///
     /// # Errors
     /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
     pub(super) fn judged_node(
@@ -177,13 +175,26 @@ impl OperationQuery<'_> {
         node: usize,
         target: Vector3<f64>,
         has_families: bool,
-        floor: Option<f64>,
         memory: &mut WalkMemory<'_>,
     ) -> Result<Option<Outcome>, Gap> {
+        self.collect_postures(node, target, has_families, memory)?;
+        self.judge_collected(&target, has_families, memory)
+    }
+
+    /// Collects the spin families of one node, and the candidates that belong to no family.
+    ///
+    /// # Errors
+    /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
+    pub(super) fn collect_postures(
+        &self,
+        node: usize,
+        target: Vector3<f64>,
+        has_families: bool,
+        memory: &mut WalkMemory<'_>,
+    ) -> Result<(), Gap> {
         let WalkMemory { candidates, families, postures, .. } = memory;
         candidates.clear();
         families.clear();
-        postures.firsts.clear();
         let missed = if has_families {
             let mut others = NodeCandidates::<false> { candidates, missed: None };
             self.visit_families(node, target, postures, families, &mut others);
@@ -193,13 +204,21 @@ impl OperationQuery<'_> {
             self.visit(node, target, postures, &mut all);
             all.missed
         };
-        if let Some(gap) = missed {
-            return Err(gap);
-        }
-        if floor.is_some_and(|floor| candidates.is_empty() && self.has_spot_below(floor, families, postures))
-        {
-            return Ok(None);
-        }
+        missed.map_or(Ok(()), Err)
+    }
+
+    /// Returns the outcome at the node whose postures were collected: the least-error usable posture, or the
+    /// reason why there is none. Returns None if the robot touches the node to teach the frame.
+    ///
+    /// # Errors
+    /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
+    pub(super) fn judge_collected(
+        &self,
+        target: &Vector3<f64>,
+        has_families: bool,
+        memory: &mut WalkMemory<'_>,
+    ) -> Result<Option<Outcome>, Gap> {
+        let WalkMemory { candidates, families, postures, .. } = memory;
         let (mut heap, mut no_others) =
             (BinaryHeap::from(std::mem::take(*candidates)), NodeRanking::default());
         let found = match has_families {
@@ -215,7 +234,7 @@ impl OperationQuery<'_> {
         **candidates = heap.into_vec();
         // Without a usable posture, the node may be out of reach. Spin families do not report this case.
         match found.outcome() {
-            None => self.reached(&target, postures).map(|()| None),
+            None => self.reached(target, postures).map(|()| None),
             found => Ok(found),
         }
     }

@@ -134,9 +134,7 @@ impl OperationSetup {
         let Some(pricing) = self.prices() else {
             let (evaluator, scratch) = (&self.evaluator, &mut memory.evaluator);
             return match certainty {
-                Certainty::RoughBound if self.has_bounds() => {
-                    evaluator.rough_worst(context, frames, false, scratch)
-                }
+                Certainty::RoughBound if self.has_bounds() => evaluator.rough_worst(context, frames, scratch),
                 Certainty::Bound if self.has_bounds() => evaluator.corner_worst(context, frames, scratch),
                 _ => evaluator.value(context, frames, scratch),
             };

@@ -166,23 +166,31 @@ impl OperationQuery<'_> {
         if is_useless(contact) {
             return;
         }
-        let (mut before, family) = (None, (branch, &firsts[first]));
+        let (begin, family) = (&firsts[first], (branch, &firsts[first]));
+        let bounds = if evaluator.has_one_value_over_spins() {
+            None
+        } else {
+            evaluator.bounds_over_spins(context, frames, &mut scratch.evaluator)
+        };
+        if let Some(bounds) = bounds {
+            inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
+                counts.postures += 1;
+                let bound = bounds.at(chain.spin_between(begin, posture));
+                let member = Some((contact, Certainty::RoughBound));
+                queue.families.push(SpinFamily { bound, node, branch, first, member, target });
+            });
+            return;
+        }
+        let mut before = None;
         inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
             counts.postures += 1;
             chain.place(posture, frames);
-            if evaluator.has_dear_spin_bound() || evaluator.has_one_value_over_spins() {
-                let value = match before {
-                    Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
-                    _ => evaluator.value(context, frames, &mut scratch.evaluator),
-                };
-                before = evaluator.ignores_spin().then_some((*frames, value));
-                queue.judged.push(judged(Spot { node, branch, value }, contact));
-            } else {
-                let bound =
-                    evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);
-                let member = Some((contact, Certainty::RoughBound));
-                queue.families.push(SpinFamily { bound, node, branch, first, member, target });
-            }
+            let value = match before {
+                Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
+                _ => evaluator.value(context, frames, &mut scratch.evaluator),
+            };
+            before = evaluator.ignores_spin().then_some((*frames, value));
+            queue.judged.push(judged(Spot { node, branch, value }, contact));
         });
     }
 }

@@ -61,6 +61,8 @@ pub struct PostureMemory {
     pub firsts: Vec<Posture>,
     /// Buffer for the spin families of one node.
     pub opened: Vec<SpinFamily>,
+    /// Spin families of all nodes of an operation that happens at every node.
+    pub collected: Vec<SpinFamily>,
     /// Buffer for the members of a spin family: branch indices and postures.
     pub members: Vec<(u64, Posture)>,
 }
@@ -80,6 +82,7 @@ impl PostureMemory {
             posture: mapper.inverse().scratch(),
             firsts: Vec::new(),
             opened: Vec::new(),
+            collected: Vec::new(),
             members: Vec::new(),
         }
     }

@@ -5,7 +5,9 @@
 //! A node whose error is certainly below the greatest error found cannot be the worst node. For such a node,
 //! the search only needs a usable posture whose value has an upper bound below that error. The search tries
 //! such upper bounds only for the members of spin families. Without spin families, the search judges every
-//! node. The nodes far from the base come first, because their errors are usually the greatest.
+//! node, first the nodes far from the base, because their errors are usually the greatest. With spin families,
+//! the nodes with the greatest lower bound come first. The lower bound of a node is the least bound of its
+//! families.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::every_node::UnreachedNodes;
@@ -13,7 +15,10 @@ use super::family_queue::SpinFamily;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
-use super::workspace::{MapperWorkspace, PostureMemory};
+use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
+use crate::reach::Gap;
+use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Largest number of postures of one node whose upper bounds are tried.
 const TRIED: usize = 6;
@@ -30,20 +35,17 @@ impl PlacedLayout<'_> {
         let query = OperationQuery::new(self, operation, spots);
         let mut memory = workspace.of(self.mapper, operation);
         let has_families = self.mapper.lacks_families(operation, &query.attitudes).is_none();
-        let mut nodes = Vec::with_capacity(query.setup.grid.count());
-        query.setup.grid.targets(&query.at, |node, target| nodes.push((node, target)));
-        nodes.sort_by(|(_, a), (_, b)| b.norm_squared().total_cmp(&a.norm_squared()));
         let (mut missed, mut worst, mut failed) = (Vec::new(), None::<Spot>, None::<(usize, Outcome)>);
-        for (node, target) in nodes {
+        for BoundedNode { node, target, families, .. } in
+            query.bounded_nodes(has_families, &mut missed, &mut memory)
+        {
             // Only the first node that fails is reported. Nodes after it matter only if they cannot be
             // reached.
             let is_before = failed.as_ref().is_none_or(|(first, _)| node < *first);
-            let judged = match missed.is_empty() && is_before && query.context.is_ok() {
-                true => {
-                    let floor = worst.map(|worst| worst.value).filter(|_| has_families);
-                    query.judged_node(node, target, has_families, floor, &mut memory)
-                }
-                false => query.reached(&target, memory.postures).map(|()| None),
+            let judged = match (missed.is_empty() && is_before && query.context.is_ok(), families) {
+                (false, _) => query.reached(&target, memory.postures).map(|()| None),
+                (true, None) => query.judged_node(node, target, has_families, &mut memory),
+                (true, Some(families)) => query.judged_unless_below(worst, &target, families, &mut memory),
             };
             match judged {
                 Err(gap) => missed.push((node, gap)),
@@ -76,15 +78,80 @@ impl PlacedLayout<'_> {
     }
 }
 
+/// Node of an operation that happens at every node.
+struct BoundedNode {
+    node: usize,
+    /// Target position of the TCP, in the base frame, m.
+    target: Vector3<f64>,
+    /// Lower bound of the value of the node, m or rad. Without spin families, the squared distance from the
+    /// base.
+    rank: f64,
+    /// Indices of the spin families of the node in [`PostureMemory::collected`]; None if the postures of the
+    /// node were not collected.
+    families: Option<Range<usize>>,
+}
+
 impl OperationQuery<'_> {
+    /// Returns the nodes in the order in which they are judged, and collects their spin families.
+    fn bounded_nodes(
+        &self,
+        has_families: bool,
+        missed: &mut Vec<(usize, Gap)>,
+        memory: &mut WalkMemory<'_>,
+    ) -> Vec<BoundedNode> {
+        memory.postures.collected.clear();
+        memory.postures.firsts.clear();
+        let mut nodes = Vec::with_capacity(self.setup.grid.count());
+        self.setup.grid.targets(&self.at, |node, target| {
+            let mut bounded = BoundedNode { node, target, rank: target.norm_squared(), families: None };
+            if has_families && missed.is_empty() && self.context.is_ok() {
+                let collected = self.collect_postures(node, target, has_families, memory);
+                let WalkMemory { candidates, families, postures, .. } = memory;
+                if let Err(gap) = collected {
+                    missed.push((node, gap));
+                    return;
+                }
+                bounded.rank = f64::INFINITY;
+                if candidates.is_empty() {
+                    let first = postures.collected.len();
+                    postures.collected.append(families);
+                    let own = &postures.collected[first..];
+                    bounded.rank = own.iter().map(|family| family.bound).fold(f64::INFINITY, f64::min);
+                    bounded.families = Some(first..postures.collected.len());
+                }
+            }
+            nodes.push(bounded);
+        });
+        nodes.sort_by(|a, b| b.rank.total_cmp(&a.rank));
+        nodes
+    }
+
+    /// Returns the outcome at a node with the collected spin families `families`. Returns None if a usable
+    /// posture of the node has a value below the value of `worst`, or if the robot touches the node to teach
+    /// the frame.
+    ///
+    /// # Errors
+    /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
+    fn judged_unless_below(
+        &self,
+        worst: Option<Spot>,
+        target: &Vector3<f64>,
+        families: Range<usize>,
+        memory: &mut WalkMemory<'_>,
+    ) -> Result<Option<Outcome>, Gap> {
+        let WalkMemory { candidates, families: own, postures, .. } = memory;
+        candidates.clear();
+        own.clear();
+        own.extend_from_slice(&postures.collected[families]);
+        if worst.is_some_and(|worst| self.has_spot_below(worst.value, own, postures)) {
+            return Ok(None);
+        }
+        self.judge_collected(target, true, memory)
+    }
+
     /// Returns whether one of the families with the least bounds has a usable member whose value is certainly
     /// below `floor`.
-    pub(super) fn has_spot_below(
-        &self,
-        floor: f64,
-        families: &mut [SpinFamily],
-        memory: &mut PostureMemory,
-    ) -> bool {
+    fn has_spot_below(&self, floor: f64, families: &mut [SpinFamily], memory: &mut PostureMemory) -> bool {
         let Ok(context) = &self.context else { return false };
         families.sort_by(|a, b| b.cmp(a));
         let (inverse, chain) = (&self.placed.mapper.arm.inverse, &self.placed.mapper.arm.chain);

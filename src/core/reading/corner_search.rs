@@ -22,13 +22,18 @@ const NEAR_SHARE: f64 = 0.02;
 /// the signs of parallel columns together.
 const PARALLEL_SINE: f64 = 1e-6;
 
+/// Largest number of corners that a search remembers, so that it ends early if it reaches one of them again.
+const OPTIMA: usize = 16;
+
 /// Signs of all sources at a corner of the tolerance box.
 type Signs = [f64; MAX_SOURCES];
 
 /// Returns the worst case by a model.
 ///
-/// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
-/// The sizes of the errors at these two corners differ only by terms of even order.
+/// A local search starts from the first corner of `corners`, the worst by the linear model, and from the
+/// opposite corner. The sizes of the errors at these two corners differ only by terms of even order. The
+/// search also starts from the second corner of `corners` and its opposite, if they differ from the first.
+/// So the errors at both corners are lower bounds of the result.
 ///
 /// A column is the linear effect of one source at its tolerance. If the sources have means, the linear effect
 /// of all means together is one more column. The search also chooses a sign for this column, although the
@@ -66,14 +71,26 @@ pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     quadratic: f64,
-    corner: Signs,
+    corners: [Signs; 2],
     model: &mut CornerModel,
     largest: Option<impl FnOnce() -> [Signs; 2]>,
 ) -> (WorstCase, bool) {
-    let starts = both(corner).map(|signs| SearchCorner::new(columns, model.error(&signs), signs));
+    let [corner, other] = corners;
+    let mut start = |signs: Signs| SearchCorner::new(columns, model.error(&signs), signs);
+    let starts = both(corner).map(&mut start);
+    let others = (!is_same(columns, &corner, &other)).then(|| both(other).map(&mut start));
     let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
     let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
-    let mut search = CornerSearch { columns, groups: groups(columns), gap, model, best: None };
+    let mut search = CornerSearch {
+        columns,
+        groups: groups(columns),
+        gap,
+        model,
+        best: None,
+        optima: [0; OPTIMA],
+        known: 0,
+    };
+    let starts = starts.into_iter().chain(others.into_iter().flatten());
     // Sources with hardly any linear effect act through products of errors. If there are only a few such
     // sources, every combination of their signs is tried. Otherwise these sources take their signs from the
     // corners in `largest`.
@@ -82,9 +99,9 @@ pub fn by_model(
     if (1..=MAX_FREE).contains(&count) {
         let mut weak = [0; MAX_FREE];
         weak.iter_mut().zip((0..columns.len()).filter(is_weak)).for_each(|(to, k)| *to = k);
-        starts.into_iter().for_each(|start| search.polish_best_combination(start, &weak[..count]));
+        starts.for_each(|start| search.polish_best_combination(start, &weak[..count]));
     } else {
-        starts.into_iter().for_each(|start| search.polish(start));
+        starts.for_each(|start| search.polish(start));
     }
     let is_complete = count <= MAX_FREE || largest.is_some();
     if let Some(largest) = largest.filter(|_| count > MAX_FREE) {
@@ -102,8 +119,15 @@ pub fn by_model(
 }
 
 /// Returns a corner and the opposite corner.
-fn both(signs: Signs) -> [Signs; 2] {
+pub(super) fn both(signs: Signs) -> [Signs; 2] {
     [signs, signs.map(|s| -s)]
+}
+
+/// Returns whether the columns that are not 0 have the same signs at two corners, or at one corner and the
+/// opposite of the other.
+fn is_same(columns: &[Vector6<f64>], a: &Signs, b: &Signs) -> bool {
+    let mut products = (0..columns.len()).filter(|&k| columns[k] != Vector6::zeros()).map(|k| a[k] * b[k]);
+    products.next().is_none_or(|first| products.all(|product| product == first))
 }
 
 /// Returns, for every column, a bit set of the later columns that are parallel to it.
@@ -133,13 +157,20 @@ fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
 struct SearchCorner {
     error: CornerError,
     signs: Signs,
+    /// Bit set of the negative signs of the columns.
+    negative: u128,
     /// Linear error at this corner: the sum of the columns multiplied by `signs`.
     sum: Vector6<f64>,
 }
 
 impl SearchCorner {
     fn new(columns: &[Vector6<f64>], error: CornerError, signs: Signs) -> Self {
-        Self { error, signs, sum: columns.iter().zip(&signs).map(|(c, s)| c * *s).sum() }
+        let (mut sum, mut negative) = (Vector6::zeros(), 0);
+        for (k, (column, sign)) in columns.iter().zip(&signs).enumerate() {
+            sum += column * *sign;
+            negative |= u128::from(*sign < 0.0) << k;
+        }
+        Self { error, signs, negative, sum }
     }
 }
 
@@ -155,6 +186,10 @@ struct CornerSearch<'a, 'm> {
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
     best: Option<(f64, Signs)>,
+    /// Corners at which the search has ended because no flip increases the error, as bit sets of the negative
+    /// signs. The first [`Self::known`] entries are used.
+    optima: [u128; OPTIMA],
+    known: usize,
 }
 
 impl CornerSearch<'_, '_> {
@@ -187,22 +222,45 @@ impl CornerSearch<'_, '_> {
     /// such flip increases the error, the search flips pairs of signs.
     fn polish(&mut self, start: SearchCorner) {
         let mut at = start;
+        if self.is_optimum(&at) {
+            return;
+        }
         self.model.stand_at(&at.signs);
         for _ in 0..MAX_ROUNDS {
             let before = at.error.size;
             for k in 0..self.columns.len() {
-                self.flip(&mut at, 1 << k);
                 // A column without parallel columns has no group to flip.
-                if self.groups[k] != 0 {
-                    self.flip(&mut at, 1 << k | self.groups[k]);
+                let group = (self.groups[k] != 0).then_some(1 << k | self.groups[k]);
+                for flipped in [Some(1 << k), group].into_iter().flatten() {
+                    if self.flip(&mut at, flipped) && self.is_optimum(&at) {
+                        return;
+                    }
                 }
             }
-            if at.error.size <= before && !self.flip_pair(&mut at) {
-                break;
+            if at.error.size <= before {
+                if !self.flip_pair(&mut at) {
+                    self.note_optimum(&at);
+                    break;
+                }
+                if self.is_optimum(&at) {
+                    return;
+                }
             }
         }
         if self.best.is_none_or(|(size, _)| at.error.size > size) {
             self.best = Some((at.error.size, at.signs));
+        }
+    }
+
+    /// Returns whether an earlier search ended at this corner because no flip increases the error.
+    fn is_optimum(&self, at: &SearchCorner) -> bool {
+        self.optima[..self.known].contains(&at.negative)
+    }
+
+    fn note_optimum(&mut self, at: &SearchCorner) {
+        if let Some(free) = self.optima.get_mut(self.known) {
+            *free = at.negative;
+            self.known += 1;
         }
     }
 
@@ -236,7 +294,10 @@ impl CornerSearch<'_, '_> {
         let is_larger = self.model.size(&at.signs) > at.error.size;
         if is_larger {
             (at.error, at.sum) = (self.model.error(&at.signs), at.sum + change);
-            self.model.stand_at(&at.signs);
+            at.negative ^= flipped;
+            if !self.is_optimum(at) {
+                self.model.stand_at(&at.signs);
+            }
         } else {
             members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
         }

@@ -7,6 +7,7 @@ use super::isotropic_tool::is_isotropic;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
 use super::spin_bound::SpinBound;
+use super::spun_worst_case::SpunWorstCase;
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::zonotope::ZonotopeScratch;
 use super::{Effects, MAX_SOURCES, SenseRows};
@@ -73,6 +74,9 @@ pub struct EvaluatorScratch {
     /// support the error sources.
     pub(super) walk: Option<Box<TwoValuedWalk>>,
     conditional: ConditionalScratch,
+    /// Lower bounds of the worst case after rotations of the tool, at the last posture for which they were
+    /// prepared.
+    pub(super) spun: SpunWorstCase,
 }
 
 impl EvaluatorScratch {
@@ -161,6 +165,7 @@ impl ErrorEvaluator {
             distributions: [Distribution::Normal; MAX_SOURCES],
             scratch: ZonotopeScratch::default(),
             conditional: ConditionalScratch::of_components(components),
+            spun: SpunWorstCase::default(),
         }
     }
 

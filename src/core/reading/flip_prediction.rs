@@ -96,12 +96,15 @@ pub struct FlipPrediction {
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
     computed: u128,
-    /// Norm of the rows that measure the position, and norm of the rows that measure the rotation.
+    /// Largest component sizes along the rows, per unit of displacement and of rotation
+    /// ([`SenseRows::weights`]).
     weights: [f64; 2],
     /// Largest sum of all rotations at any corner, rad.
     rotations: f64,
     /// Largest sum of all displacements at any corner, m.
     displacements: f64,
+    /// Largest sum of the displacements that products of two errors cause at any corner, m.
+    pairs: f64,
     /// Distance from the TCP to the measured point, m.
     arm: f64,
 }
@@ -139,6 +142,7 @@ impl FlipPrediction {
             weights: [0.0; 2],
             rotations: 0.0,
             displacements: 0.0,
+            pairs: 0.0,
             arm: 0.0,
         }
     }
@@ -173,8 +177,14 @@ impl FlipPrediction {
             let largest = source.mean.abs() + source.plus_minus;
             own.iter().for_each(|&(i, unit)| self.motions[i].size += unit.abs() * largest);
         }
-        let sum = |length: fn(&CornerMotion) -> f64| self.motions.iter().map(|m| m.size * length(m)).sum();
-        (self.rotations, self.displacements) = (sum(|m| m.w.norm()), sum(|m| m.g.norm()));
+        // A rotation also displaces the effects of all motions nearer to the tool.
+        (self.rotations, self.displacements, self.pairs) = (0.0, 0.0, 0.0);
+        for motion in self.motions.iter().rev() {
+            let (turned, moved) = (motion.size * motion.w.norm(), motion.size * motion.g.norm());
+            self.pairs += turned * (moved / 2.0 + self.displacements);
+            self.rotations += turned;
+            self.displacements += moved;
+        }
         (self.weights, self.arm) = (measure.weights(), arm.norm());
         self.rotations <= MAX_ROTATION
     }
@@ -182,9 +192,20 @@ impl FlipPrediction {
     /// Returns an upper bound of the sum of all products of two and more errors. The sum is measured along
     /// the rows of the sense, and the bound holds at every corner.
     ///
-    /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
+    /// Products of order k are at most `D A^(k-1) / (k-1)!`. For products of two errors, the sum over all
+    /// pairs of motions is a sharper bound. Call [`Self::set_posture`] first.
     pub fn largest_products(&self) -> f64 {
         let turned = self.rotations.exp_m1();
+        let of_position = self.pairs + self.displacements * (turned - self.rotations);
+        self.weights[0] * of_position + self.weights[1] * self.rotations * turned
+    }
+
+    /// Returns an upper bound of the sum of all products of three, five, seven and so on errors. The sum is
+    /// measured along the rows of the sense, and the bound holds at every corner.
+    ///
+    /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
+    pub fn largest_odd_products(&self) -> f64 {
+        let turned = self.rotations.cosh() - 1.0;
         self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
     }
 
@@ -266,8 +287,7 @@ impl FlipPrediction {
         &self.flips[..count]
     }
 
-    /// Returns the norm of the rows that measure the position, and the norm of the rows that measure the
-    /// rotation.
+    /// Returns the result of [`SenseRows::weights`].
     pub fn weights(&self) -> [f64; 2] {
         self.weights
     }

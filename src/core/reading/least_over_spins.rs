@@ -1,7 +1,9 @@
 //! Lower bound of the value of an operation over rotations of the tool about its axis.
 
 use super::error_sources::is_behind;
-use super::spin_bound::SpinBound;
+use super::norm::CentredBound;
+use super::spin_bound::{NormalBound, SpinBound, SpinCovariance};
+use super::spun_worst_case::SpunWorstCase;
 use super::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::cell::{Frame, Model, Parameter, Reading};
 use crate::robot::Frames;
@@ -9,6 +11,34 @@ use nalgebra::Vector3;
 
 /// Largest relative rounding error of a computed value.
 const ROUNDING: f64 = 1e-7;
+
+/// Lower bounds of the value at one posture, as a function of the rotation of the tool about its axis.
+pub enum BoundsOverSpins<'m> {
+    /// Bounds of a worst case.
+    WorstCase(&'m SpunWorstCase),
+    /// Bounds for normal parameters: a figure of the error, and the covariance of the error.
+    Normal(&'m CentredBound, SpinCovariance),
+}
+
+impl BoundsOverSpins<'_> {
+    /// Returns the lower bound after a rotation with the given cosine and sine.
+    pub fn at(&self, spin: (f64, f64)) -> f64 {
+        match self {
+            Self::WorstCase(bounds) => bounds.at(spin),
+            Self::Normal(figure, covariance) => figure.of(&covariance.at(spin)),
+        }
+    }
+
+    /// Returns the least lower bound over several rotations, each given by cosine and sine.
+    fn least(&self, spins: &[(f64, f64)]) -> f64 {
+        let rotates = match self {
+            Self::WorstCase(bounds) => bounds.rotates(),
+            Self::Normal(_, covariance) => covariance.rotates(),
+        };
+        let spins = if rotates { spins } else { &spins[..spins.len().min(1)] };
+        spins.iter().map(|spin| self.at(*spin)).fold(f64::INFINITY, f64::min)
+    }
+}
 
 impl ErrorEvaluator {
     /// Returns whether [`Self::least_over_spins`] can compute a lower bound. If not, that function returns 0.
@@ -40,24 +70,41 @@ impl ErrorEvaluator {
         memory: &mut EvaluatorScratch,
     ) -> f64 {
         match &self.spin_bound {
-            None => 0.0,
             Some(SpinBound::Signed(apart)) => {
                 (self.value(context, frames, memory) * (1.0 - ROUNDING) - apart).max(0.0)
             }
-            Some(SpinBound::WorstCase) => self.rough_worst(context, frames, spins.len() > 1, memory),
-            Some(SpinBound::Normal(bound)) => {
-                let EvaluatorScratch { expansion, effects, position, .. } = memory;
-                let measure = self.measure(&self.sense, context, frames);
-                let axis = frames.tcp.rotation * self.chain.tool_axis;
-                if let (Some(factors), Some(expansion)) =
-                    (self.spin_bound.as_ref().and_then(SpinBound::factors), position)
-                {
-                    return bound.least_of_position(factors, frames, expansion, &measure, &axis, spins);
-                }
-                self.propagation().effects(context, frames, expansion, false, effects);
-                bound.least(effects, &self.sources, &measure, &axis, spins)
-            }
+            _ => self.bounds_over_spins(context, frames, memory).map_or(0.0, |bounds| bounds.least(spins)),
         }
+    }
+
+    /// Returns the lower bounds of [`Self::value`] as a function of the rotation of the tool about its axis.
+    /// Returns None if no bounds are known, or if the reading is signed.
+    pub fn bounds_over_spins<'m>(
+        &'m self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &'m mut EvaluatorScratch,
+    ) -> Option<BoundsOverSpins<'m>> {
+        let bound = match self.spin_bound.as_ref()? {
+            SpinBound::Signed(_) => return None,
+            SpinBound::WorstCase => {
+                return Some(BoundsOverSpins::WorstCase(self.spun_worst_case(context, frames, memory)));
+            }
+            SpinBound::Normal(bound) => bound,
+        };
+        let EvaluatorScratch { expansion, effects, position, .. } = memory;
+        let measure = self.measure(&self.sense, context, frames);
+        let axis = frames.tcp.rotation * self.chain.tool_axis;
+        let covariance = match (&bound.factors, position) {
+            (Some(factors), Some(expansion)) => {
+                NormalBound::covariance_of_position(factors, frames, expansion, &measure, &axis)
+            }
+            _ => {
+                self.propagation().effects(context, frames, expansion, false, effects);
+                bound.covariance(effects, &self.sources, &measure, &axis)
+            }
+        };
+        Some(BoundsOverSpins::Normal(&bound.figure, covariance))
     }
 
     /// Returns the algorithm by which this evaluator bounds the value over rotations of the tool. Returns

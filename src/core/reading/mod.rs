@@ -43,6 +43,7 @@ mod registration;
 mod sample_space;
 mod sense_rows;
 mod spin_bound;
+mod spun_worst_case;
 mod statistics;
 mod upper_bound;
 mod work_context;

@@ -39,16 +39,15 @@ pub struct PairGains {
     count: usize,
     /// Largest value of each field of [`FlipGain`] over all flips.
     largest: FlipGain,
-    /// Norms of the rows that measure the position and the rotation, each multiplied by twice the size of the
-    /// error.
+    /// The result of [`super::SenseRows::weights`], multiplied by twice the size of the error.
     weights: [f64; 2],
     /// Upper bound of the rounding error of the sum in the inequality of this module, m^2 or rad^2.
     rounding: f64,
 }
 
 impl PairGains {
-    /// Prepares the bounds at a corner with the error `error` along the rows of a sense. `weights` holds the
-    /// norms of the rows that measure the position and the rotation. A sign without a prediction in `flips`
+    /// Prepares the bounds at a corner with the error `error` along the rows of a sense. `weights` is the
+    /// result of [`super::SenseRows::weights`]. A sign without a prediction in `flips`
     /// may always increase the error.
     pub fn new(flips: &[PredictedFlip], weights: [f64; 2], error: &Vector6<f64>) -> Self {
         let size = error.norm();

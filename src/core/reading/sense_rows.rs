@@ -76,12 +76,17 @@ impl SenseRows {
         &self.arm
     }
 
-    /// Returns two Frobenius norms. The first norm is over the rows that measure position. The second norm is
-    /// over the rows that measure rotation.
+    /// Returns two upper bounds of the root sum square of the components along the rows. The first is per unit
+    /// of displacement, over the rows that measure the position. The second is per unit of rotation, over the
+    /// rows that measure the rotation.
+    ///
+    /// The square of each bound is the largest sum of the absolute values in a row of the Gram matrix of
+    /// these rows. This sum is at least the largest eigenvalue (S. Gershgorin, 1931).
     pub fn weights(&self) -> [f64; 2] {
         [false, true].map(|turns| {
-            let rows = self.rows[..self.count].iter().filter(|row| row.0 == turns);
-            rows.map(|row| row.1.norm_squared()).sum::<f64>().sqrt()
+            let rows = || self.rows[..self.count].iter().filter(|row| row.0 == turns).map(|row| row.1);
+            let sum = |row: Vector3<f64>| rows().map(|other| row.dot(&other).abs()).sum::<f64>();
+            rows().map(sum).fold(0.0, f64::max).sqrt()
         })
     }
 

@@ -21,7 +21,7 @@ use crate::cell::{Frame, Quantity, Sense};
 use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// Algorithm that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,9 +48,11 @@ pub(super) struct NormalBound {
 
 /// Entries of the covariance of an error after a rotation of the tool by q: a polynomial in cos q and sin q.
 #[derive(Default)]
-struct SpinCovariance {
+pub struct SpinCovariance {
     /// Coefficients of 1, cos q, sin q, cos^2 q, cos q sin q and sin^2 q.
     terms: [CovarianceEntries; 6],
+    /// Whether any random effect rotates with the tool.
+    rotates: bool,
 }
 
 impl SpinBound {
@@ -97,52 +99,46 @@ impl SpinBound {
 }
 
 impl NormalBound {
-    /// Returns the bound of [`Self::least`] from the factors of the position error.
+    /// Returns the covariance of the position error as a function of the rotation of the tool about `axis`
+    /// (base frame), from the factors of the position error.
     ///
     /// `expansion` must be the result of [`PositionFactors::expansion`].
-    pub fn least_of_position(
-        &self,
+    pub fn covariance_of_position(
         factors: &PositionFactors,
         frames: &Frames,
         expansion: &mut Expansion,
         measure: &SenseRows,
         axis: &Vector3<f64>,
-        spins: &[(f64, f64)],
-    ) -> f64 {
+    ) -> SpinCovariance {
         let rows = measure.position_rows();
         let c = rows * factors.covariance(frames, expansion) * rows.transpose();
-        let staying = [c.m11, c.m22, c.m33, c.m12, c.m13, c.m23];
-        let mut rotating = factors.rotating(expansion).peekable();
-        if rotating.peek().is_none() {
-            return self.figure.of(&staying);
-        }
         let mut covariance = SpinCovariance::default();
-        covariance.terms[0] = staying;
-        for effect in rotating {
+        covariance.terms[0] = [c.m11, c.m22, c.m33, c.m12, c.m13, c.m23];
+        for effect in factors.rotating(expansion) {
             let along = axis * axis.dot(&effect);
             let each = [along, effect - along, axis.cross(&effect)];
             covariance.add_rotating(each.map(|v| <[f64; 3]>::from(rows * v)));
         }
-        spins.iter().map(|spin| self.figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
+        covariance
     }
 
-    /// Returns a lower bound of the figure over rotations of the tool about `axis` (base frame).
+    /// Returns the covariance of the error as a function of the rotation of the tool about `axis` (base
+    /// frame).
     ///
-    /// `effects` are the effects before the rotation; `spins` holds cosine and sine of each angle.
-    pub fn least(
+    /// `effects` are the effects before the rotation.
+    pub fn covariance(
         &self,
         effects: &Effects,
         sources: &ErrorSources,
         measure: &SenseRows,
         axis: &Vector3<f64>,
-        spins: &[(f64, f64)],
-    ) -> f64 {
+    ) -> SpinCovariance {
         let (mut covariance, mut stays) = (SpinCovariance::default(), self.stays.iter());
         effects.independent(sources, |effect, _| match stays.next() {
-            Some(true) => covariance.add(&components(measure, &effect)),
-            _ => covariance.add_rotating(parts(&effect, axis, measure)),
+            Some(true) => covariance.add(&first_three(measure.column(&effect))),
+            _ => covariance.add_rotating(rotating_parts(&effect, axis, measure).map(first_three)),
         });
-        spins.iter().map(|spin| self.figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
+        covariance
     }
 }
 
@@ -155,6 +151,7 @@ impl SpinCovariance {
     /// Adds a random effect that rotates with the tool. The argument holds the constant part of the effect
     /// and the coefficients of cos q and sin q.
     fn add_rotating(&mut self, [still, cos, sin]: [[f64; 3]; 3]) {
+        self.rotates = true;
         let [one, of_cos, of_sin, of_cos2, of_both, of_sin2] = &mut self.terms;
         add_product(one, &still, &still);
         for (term, factor) in [(of_cos, &cos), (of_sin, &sin)] {
@@ -167,8 +164,16 @@ impl SpinCovariance {
         add_product(of_sin2, &sin, &sin);
     }
 
+    /// Returns whether the covariance depends on the rotation of the tool.
+    pub fn rotates(&self) -> bool {
+        self.rotates
+    }
+
     /// Returns the covariance after a rotation with the given cosine and sine.
-    fn at(&self, (cos, sin): (f64, f64)) -> CovarianceEntries {
+    pub fn at(&self, (cos, sin): (f64, f64)) -> CovarianceEntries {
+        if !self.rotates {
+            return self.terms[0];
+        }
         let powers = [1.0, cos, sin, cos * cos, cos * sin, sin * sin];
         std::array::from_fn(|k| powers.iter().zip(&self.terms).map(|(power, term)| power * term[k]).sum())
     }
@@ -176,12 +181,16 @@ impl SpinCovariance {
 
 /// Returns the components of an effect that rotates with the tool about `axis`: the constant part, and the
 /// coefficients of cos q and sin q.
-fn parts(effect: &Displacement, axis: &Vector3<f64>, measure: &SenseRows) -> [[f64; 3]; 3] {
-    let each = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
-        components(measure, &Displacement { position: of(&effect.position), rotation: of(&effect.rotation) })
-    };
+pub(super) fn rotating_parts(
+    effect: &Displacement,
+    axis: &Vector3<f64>,
+    measure: &SenseRows,
+) -> [Vector6<f64>; 3] {
+    let Displacement { position, rotation } = effect;
     let along = |v: &Vector3<f64>| axis * axis.dot(v);
-    [each(&along), each(&|v| v - along(v)), each(&|v| axis.cross(v))]
+    let still = Displacement { position: along(position), rotation: along(rotation) };
+    let of_sin = Displacement { position: axis.cross(position), rotation: axis.cross(rotation) };
+    [still, *effect - still, of_sin].map(|part| measure.column(&part))
 }
 
 /// Adds the symmetric part of the outer product of two vectors to `sum`.
@@ -191,9 +200,8 @@ fn add_product(sum: &mut CovarianceEntries, a: &[f64; 3], b: &[f64; 3]) {
     }
 }
 
-/// Returns the components of an effect along the first three rows of a sense.
-fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
-    let column = measure.column(effect);
+/// Returns the first three components of a column.
+fn first_three(column: Vector6<f64>) -> [f64; 3] {
     [column[0], column[1], column[2]]
 }
 

@@ -8,69 +8,59 @@
 //! corners.
 
 use super::corner_model::CornerModel;
-use super::error_sources::is_behind;
+use super::corner_search::both;
+use super::flip_prediction::FlipPrediction;
 use super::work_context::WorkContext;
-use super::{ErrorEvaluator, EvaluatorScratch, SenseRows};
+use super::zonotope::far_vertex;
+use super::{ErrorEvaluator, EvaluatorScratch, MAX_SOURCES, SenseRows};
 use crate::cell::{Model, Reading};
 use crate::robot::Frames;
 use nalgebra::Vector6;
 
 /// Largest rounding error of a bound, as a share of the bound.
-const ROUNDING: f64 = 1e-9;
-/// Largest number of corners that the search for a corner with a large linear error visits.
-const MAX_STEPS: usize = 4;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 impl ErrorEvaluator {
-    /// Returns whether [`Self::value`] is a worst case, so that [`Self::rough_worst`] bounds it.
+    /// Returns whether [`Self::value`] is a worst case, and [`Self::rough_worst`] takes much less computing
+    /// time. The linear worst case in one or two rows takes hardly more time than its bound.
     pub fn has_worst_bounds(&self) -> bool {
-        self.reading == Reading::WorstCase
+        let is_slow = self.model != Model::Linear || self.sense.rows().len() > 2;
+        self.reading == Reading::WorstCase && is_slow
     }
 
     /// Returns whether [`Self::corner_worst`] takes much less computing time than [`Self::value`].
     pub fn has_sharp_worst_bound(&self) -> bool {
-        self.has_worst_bounds() && self.model != Model::Linear
+        self.reading == Reading::WorstCase && self.model != Model::Linear
     }
 
     /// Returns a lower bound of the worst case at a posture, in little computing time.
-    ///
-    /// If `turning` is true, the bound also holds after every rotation of the tool about its axis by the last
-    /// joint.
-    pub fn rough_worst(
-        &self,
-        context: &WorkContext,
-        frames: &Frames,
-        turning: bool,
-        memory: &mut EvaluatorScratch,
-    ) -> f64 {
+    pub fn rough_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
-        let Some(products) = self.largest_products(&measure, context, frames, memory) else { return 0.0 };
-        let EvaluatorScratch { effects, columns, .. } = memory;
-        let (mut n, axes) = (0, self.chain.axes());
-        for (source, effect) in self.sources.list.iter().zip(&effects.columns) {
-            if !(turning && is_behind(source.parameter, axes)) {
-                columns[n] = measure.column(&(*effect * source.plus_minus));
-                n += 1;
-            }
-        }
-        if let Some((values, _)) = &self.mean {
-            columns[n] = measure.column(&effects.of_sample(values));
-            n += 1;
-        }
-        (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
+        let Some(lost) = self.lost_products(&measure, context, frames, memory) else { return 0.0 };
+        let n = self.set_columns(&measure, memory);
+        (far_vertex(&memory.columns[..n], measure.rows()).norm() * (1.0 - ROUNDING) - lost).max(0.0)
     }
 
     /// Returns a lower bound of the worst case by a nonlinear model at a posture. The function evaluates this
-    /// model at the worst corner of the linear model and at the opposite corner. The bound is the larger of
-    /// the two errors.
+    /// model at a corner with a large linear error and at the opposite corner. The local search for the worst
+    /// case starts at these two corners, too. The bound is the larger of the two errors.
     pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
-        let (_, corner) = self.linear_corner(&measure, memory);
-        let EvaluatorScratch { expansion, walk, .. } = memory;
+        let n = self.set_columns(&measure, memory);
+        let EvaluatorScratch { expansion, columns, walk, .. } = memory;
+        let corner = self.far_corner(&columns[..n], measure.rows());
         let mut model =
             CornerModel::new(self, measure, (context, frames), expansion, None, walk.as_deref_mut());
-        [corner, corner.map(|s| -s)].iter().map(|corner| model.size(corner)).fold(0.0, f64::max)
+        both(corner).iter().map(|corner| model.size(corner)).fold(0.0, f64::max)
+    }
+
+    /// Returns a corner with a large linear error. One sign per column describes the corner.
+    pub(super) fn far_corner(&self, columns: &[Vector6<f64>], rows: usize) -> [f64; MAX_SOURCES] {
+        let (sum, mut corner) = (far_vertex(columns, rows), [1.0; MAX_SOURCES]);
+        corner.iter_mut().zip(columns).filter(|(_, c)| c.dot(&sum) < 0.0).for_each(|(sign, _)| *sign = -1.0);
+        if self.is_reversed(&corner) { corner.map(|sign| -sign) } else { corner }
     }
 
     /// Returns the worst case by the linear model at a posture, or an upper bound of it.
@@ -104,30 +94,45 @@ impl ErrorEvaluator {
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> Option<f64> {
+        self.products(measure, context, frames, memory, FlipPrediction::largest_products)
+    }
+
+    /// Returns an upper bound of the amount by which products of errors can make the worst case smaller than
+    /// the linear worst case. Returns None if no bound is known.
+    pub(super) fn lost_products(
+        &self,
+        measure: &SenseRows,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> Option<f64> {
+        // With means, the search starts at one corner of the tolerance box. With more than three rows, the
+        // corner may not be the worst by the linear model.
+        let is_even_lost = self.mean.is_some() || measure.rows() > 3;
+        let bound = if is_even_lost {
+            FlipPrediction::largest_products
+        } else {
+            FlipPrediction::largest_odd_products
+        };
+        self.products(measure, context, frames, memory, bound)
+    }
+
+    /// Returns a bound of products of errors from the predictor of sign flips; None without a predictor, and
+    /// if the errors are too large. The bound is 0 for the linear model.
+    fn products(
+        &self,
+        measure: &SenseRows,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+        bound: fn(&FlipPrediction) -> f64,
+    ) -> Option<f64> {
         if self.model == Model::Linear {
             return Some(0.0);
         }
         let EvaluatorScratch { expansion, flips, .. } = memory;
         let flips = flips.as_mut()?;
         let (work, tip) = (&context.site.work, &frames.tcp.translation);
-        flips.set_posture(&self.sources, expansion, measure, work, tip).then(|| flips.largest_products())
+        flips.set_posture(&self.sources, expansion, measure, work, tip).then(|| bound(flips))
     }
-}
-
-/// Returns the length of the longest signed sum of all columns that the search finds. The search takes at
-/// most [`MAX_STEPS`] steps of ascent. The farthest vertex of the zonotope is at least this far from the
-/// origin.
-fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
-    let mut longest = 0.0;
-    let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();
-    for _ in 0..MAX_STEPS {
-        let Some(direction) = along else { break };
-        let sum: Vector6<f64> = columns.iter().map(|c| if c.dot(&direction) < 0.0 { -c } else { *c }).sum();
-        let length = sum.norm();
-        if length <= longest {
-            break;
-        }
-        (longest, along) = (length, Some(sum));
-    }
-    longest
 }

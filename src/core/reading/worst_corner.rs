@@ -27,8 +27,7 @@ impl ErrorEvaluator {
     /// Returns the largest size of the error that the local search finds, and whether this search is
     /// complete. Call [`Self::prepare_effects`] first.
     ///
-    /// If `all` is false, the search starts only at the worst corner of the linear model and at the opposite
-    /// corner. The result of an incomplete search is a lower bound of the result of a complete search.
+    /// If `all` is false, the search does not start at mixed corners ([`by_model`]). The result of an incomplete search is a lower bound of the result of a complete search.
     pub(super) fn worst_found(
         &self,
         sense: &Sense,
@@ -51,8 +50,9 @@ impl ErrorEvaluator {
         let (flips, walk) = (flips.as_deref_mut(), walk.as_deref_mut());
         let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips, walk);
         let columns = &columns[..n + of_mean];
+        let corners = [corner, self.far_corner(columns, measure.rows())];
         let largest = all.then_some(|| self.largest(effects, scratch));
-        let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corner, &mut model, largest);
+        let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corners, &mut model, largest);
         worst.corner = self.signs_of_sources(&worst.corner);
         (worst, is_complete)
     }
@@ -112,20 +112,27 @@ impl ErrorEvaluator {
         measure: &SenseRows,
         memory: &mut EvaluatorScratch,
     ) -> (Farthest, [f64; MAX_SOURCES]) {
-        for (k, source) in self.sources.list.iter().enumerate() {
-            memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
-        }
         let mut corner = [0.0; MAX_SOURCES];
-        let mut n = self.sources.list.len();
-        if let Some((values, _)) = &self.mean {
-            memory.columns[n] = measure.column(&memory.effects.of_sample(values));
-            n += 1;
-        }
+        let n = self.set_columns(measure, memory);
         let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
         if self.is_reversed(&corner) {
             corner.iter_mut().for_each(|sign| *sign = -*sign);
         }
         (found, corner)
+    }
+
+    /// Sets the columns: the linear effect of each source at its tolerance along the rows of a sense. With
+    /// means, the linear effect of all means together is one more column. Returns the number of columns. Call
+    /// [`Self::prepare_effects`] first.
+    pub(super) fn set_columns(&self, measure: &SenseRows, memory: &mut EvaluatorScratch) -> usize {
+        let EvaluatorScratch { effects, columns, .. } = memory;
+        let n = self.sources.list.len();
+        for ((column, source), effect) in columns.iter_mut().zip(&self.sources.list).zip(&effects.columns) {
+            *column = measure.column(&(*effect * source.plus_minus));
+        }
+        let Some((values, _)) = &self.mean else { return n };
+        columns[n] = measure.column(&effects.of_sample(values));
+        n + 1
     }
 
     /// Writes the values of the sources at a corner of the tolerance box. `signs` holds the sign of every

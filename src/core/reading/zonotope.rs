@@ -21,10 +21,12 @@
 
 mod branch_and_bound;
 mod circle_walk;
+mod far_vertex;
 mod sign_table;
 
 use branch_and_bound::BranchAndBound;
 use circle_walk::{CircleWalk, split, walk_circles};
+pub use far_vertex::far_vertex;
 use nalgebra::{SVector, Vector2, Vector3, Vector6};
 use sign_table::{SignTable, try_all};
 

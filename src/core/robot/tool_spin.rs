@@ -1,6 +1,6 @@
 //! Rotation of the tool about its axis by the last joint alone.
 
-use super::{Chain, Frames};
+use super::{Chain, Frames, Posture};
 use crate::cell::JointKind;
 use nalgebra::Vector3;
 
@@ -20,6 +20,15 @@ impl Chain {
         let tool_axis = self.tool.rotation * self.tool_axis;
         let off = (self.tool.translation - point).cross(&axis).norm().max(tool_axis.cross(&axis).norm());
         (off <= ON_AXIS).then(|| tool_axis.dot(&axis).signum())
+    }
+
+    /// Returns cosine and sine of the angle by which the last joint rotates the tool about the tool axis from
+    /// posture `a` to posture `b`. The function [`Self::tool_spin`] must not return None.
+    pub fn spin_between(&self, a: &Posture, b: &Posture) -> (f64, f64) {
+        let Some(last) = self.links.len().checked_sub(1) else { return (1.0, 0.0) };
+        let sense = self.tool_spin().unwrap_or(1.0);
+        let cos = b.cos[last] * a.cos[last] + b.sin[last] * a.sin[last];
+        (cos, sense * (b.sin[last] * a.cos[last] - b.cos[last] * a.sin[last]))
     }
 
     /// Returns the frames after a rotation of the last joint to theta = 0. The last joint must be revolute.

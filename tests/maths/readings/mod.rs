@@ -4,6 +4,7 @@ pub mod bench;
 mod best_fit;
 mod bounded;
 mod joint;
+mod lower_bound;
 mod measured;
 mod norm;
 mod normal_quantile;

@@ -1,5 +1,6 @@
 //! Tests the farthest vertex of a zonotope against all corners, and the methods against each other.
 
+use crate::common::cases;
 use nalgebra::{Rotation2, Rotation3, SVector, Vector2, Vector3, Vector6};
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
@@ -303,5 +304,26 @@ fn the_worst_case_handles_nan_and_infinity() {
                 farthest_6(&set, &mut scratch, &mut signs);
             }
         }
+    }
+}
+
+/// A far vertex is a vertex, and it is nearly as far from the origin as the farthest one. The starting
+/// directions are at most 6 deg (2-D) and 30 deg (3-D) from any direction. So the distance is at least the
+/// cosine of this angle times the largest distance.
+#[test]
+fn far_vertices_are_nearly_the_farthest() {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    for k in 0..cases(200, 2000) {
+        let (rows, n) = ([1, 2, 3, 5][k % 4], rng.random_range(1..=11));
+        let component =
+            |d: usize, rng: &mut ChaCha8Rng| if d < rows { rng.random_range(-1.0..1.0) } else { 0.0 };
+        let set: Set<6> = (0..n).map(|_| Vector6::from_fn(|d, _| component(d, &mut rng))).collect();
+        let (found, most) = (far_vertex(&set, rows), brute(&set));
+        let sum = |bits: u32| -> Vector6<f64> {
+            set.iter().enumerate().map(|(k, g)| if bits >> k & 1 == 1 { -g } else { *g }).sum()
+        };
+        assert!((0..1u32 << n).any(|bits| (sum(bits) - found).norm() < 1e-12), "{rows}-D: not a vertex");
+        let least = [1.0 - 1e-12, 6f64.to_radians().cos(), 30f64.to_radians().cos(), 0.5][k % 4];
+        assert!(found.norm() >= least * most, "{rows}-D: {} of {most}", found.norm());
     }
 }
