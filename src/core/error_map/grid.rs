@@ -87,8 +87,14 @@ impl Grid {
     /// equipment, m.
     ///
     /// The target (m) is in the frame in which `at` is given.
-    pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
-        let (sin, cos) = at.yaw.sin_cos();
+    pub fn point(&self, at: &Placement, local: (f64, f64)) -> Vector3<f64> {
+        self.headed_point(at, at.yaw.sin_cos(), local)
+    }
+
+    /// Computes the same target as [`Self::point`]. The pair `(sin, cos)` holds sine and cosine of the yaw of
+    /// the surface.
+    #[inline]
+    pub fn headed_point(&self, at: &Placement, (sin, cos): (f64, f64), (x, y): (f64, f64)) -> Vector3<f64> {
         Vector3::new(at.x + cos * x - sin * y, at.y + sin * x + cos * y, at.z + self.standoff)
     }
 

@@ -27,6 +27,8 @@ pub struct OperationQuery<'a> {
     pub operation: usize,
     /// Pose of the equipment in the robot base frame.
     pub at: Placement,
+    /// Sine and cosine of the yaw of the equipment.
+    heading: (f64, f64),
     /// Attitudes of the tool over the surface.
     pub attitudes: ToolAttitudes,
     /// Data, other than the posture, from which the errors are computed, or the reason why the errors
@@ -94,12 +96,14 @@ impl<'a> OperationQuery<'a> {
         mapper.arm.inverse.set_attitudes(&mut attitudes, surface.attitude, at.yaw);
         let context = placed.work_context(operation, spots);
         let kept = placed.kept_posture(operation);
-        Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context, kept }
+        let (setup, heading) = (&mapper.setups[operation], at.yaw.sin_cos());
+        Self { placed, setup, operation, at, heading, attitudes, context, kept }
     }
 
     /// Returns the TCP target of a node, in the base frame, m.
     pub(super) fn node_target(&self, node: usize) -> Vector3<f64> {
-        self.setup.grid.target(&self.at, node)
+        let grid = &self.setup.grid;
+        grid.headed_point(&self.at, self.heading, grid.local(node))
     }
 
     /// Visits every node, in the order of the grid.

@@ -27,8 +27,9 @@
 //! of all such boxes. No posture reaches a table cell without boxes, so the bound of this cell is infinite.
 //!
 //! A box whose bound is much less than its value at the centre is bisected further, until the allowed number
-//! of boxes is examined. A coarse box lowers the bounds of the field, but they remain valid. The search
-//! therefore finds the same spots with any field, bit for bit (`cargo test --test maths ranking::`).
+//! of boxes is examined. The first boxes are bisected to a finer resolution, so that a simple arm gets a sharp
+//! field. A coarse box lowers the bounds of the field, but they remain valid. The search therefore finds the
+//! same spots with any field, bit for bit (`cargo test --test maths ranking::`).
 //!
 //! The bound of a percentile assumes that its square is convex in the covariance ([`super::value_bound`]).
 //! This assumption is tested, but not proven. A field of percentiles is therefore lowered by
@@ -51,14 +52,24 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;
-/// Longest range of height or radius of a box that is not bisected, as a share of the reach of the arm.
-const LONGEST_RANGE: f64 = 0.05;
-/// Length of a table cell as a share of [`LONGEST_RANGE`].
+/// Resolution of a field that needs many boxes.
+const COARSE: Resolution = Resolution { longest: 0.05, looseness: 0.05 };
+/// Resolution of a field that needs few boxes.
+const FINE: Resolution = Resolution { longest: 0.0125, looseness: 0.01 };
+/// Number of boxes up to which boxes are bisected to the resolution [`FINE`].
+const FINE_BOXES: usize = 4_000;
+/// Length of a table cell as a share of the longest range of a box.
 const CELL_SHARE: f64 = 0.5;
-/// A box is bisected further if its bound is less than the value at its centre by more than this share.
-const LOOSENESS: f64 = 0.05;
 /// Share by which the bounds of percentiles are lowered.
 const PERCENTILE_MARGIN: f64 = 2e-3;
+
+/// Resolution to which boxes of joint coordinates are bisected.
+struct Resolution {
+    /// Longest range of height or radius of a box that is not bisected, as a share of the reach of the arm.
+    longest: f64,
+    /// A box is bisected further if its bound is less than the value at its centre by more than this share.
+    looseness: f64,
+}
 
 /// Computes the value fields of a workcell, if they are not known yet. Later evaluations of its layouts then
 /// visit fewer nodes. Their results stay the same, bit for bit.
@@ -123,14 +134,7 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let kept = if is_percentile { 1.0 - PERCENTILE_MARGIN } else { 1.0 };
     let fixed = operation.attitude.elevation;
     let elevation = operation.angles[0].as_ref().map_or((fixed, fixed), Coordinate::range);
-    Ok(FieldSearch {
-        elevation,
-        longest: LONGEST_RANGE * task.reach(),
-        height: region.height,
-        radius,
-        kept,
-        task,
-    })
+    Ok(FieldSearch { elevation, reach: task.reach(), height: region.height, radius, kept, task })
 }
 
 /// Search over boxes of joint coordinates for the value field of one region.
@@ -142,8 +146,8 @@ struct FieldSearch<'a> {
     height: (f64, f64),
     /// Range of the radius of a node, m.
     radius: (f64, f64),
-    /// Longest range of height or radius of a box that is not bisected, m.
-    longest: f64,
+    /// Upper bound of the distance of the TCP from the origin of the base frame, m.
+    reach: f64,
     /// Factor, at most 1, by which every bound is multiplied before the field records it.
     kept: f64,
 }
@@ -161,13 +165,18 @@ enum Examined {
 impl FieldSearch<'_> {
     /// Computes the field. Once `stop` is set, the function ends early, and the field must not be used.
     fn field(&self, stop: &AtomicBool) -> ValueField {
-        let mut field = ValueField::new(self.elevation, self.height, self.radius, CELL_SHARE * self.longest);
+        let step = CELL_SHARE * FINE.longest * self.reach;
+        let mut field = ValueField::new(self.elevation, self.height, self.radius, step);
         let (mut round, mut count) = (vec![JointBox::whole(&self.task)], 0);
         while !round.is_empty() && !stop.load(Ordering::Relaxed) {
             count += round.len();
-            let bisects = count + 2 * round.len() <= MAX_BOXES;
+            let resolution = match count + 2 * round.len() {
+                boxes if boxes <= FINE_BOXES => Some(&FINE),
+                boxes if boxes <= MAX_BOXES => Some(&COARSE),
+                _ => None,
+            };
             let examined: Vec<Examined> =
-                round.into_par_iter().map(|part| self.examined(part, bisects)).collect();
+                round.into_par_iter().map(|part| self.examined(part, resolution)).collect();
             round = Vec::new();
             for one in examined {
                 match one {
@@ -180,8 +189,8 @@ impl FieldSearch<'_> {
         field
     }
 
-    /// Examines a box. The box is bisected only if `bisects` is true.
-    fn examined(&self, part: JointBox, bisects: bool) -> Examined {
+    /// Examines a box. The box is not bisected if there is no `resolution`.
+    fn examined(&self, part: JointBox, resolution: Option<&Resolution>) -> Examined {
         let task = &self.task;
         let Some(contracted) = part.contracted(task) else { return Examined::Empty };
         let [height, squared] = [ConstrainedQuantity::Height, ConstrainedQuantity::RadiusSquared]
@@ -195,14 +204,14 @@ impl FieldSearch<'_> {
         let wide = range(&squared);
         let wide = (wide.0.max(0.0).sqrt(), wide.1.max(0.0).sqrt());
         let lengths = [tall.1 - tall.0, wide.1 - wide.0];
-        if bisects && lengths[0].max(lengths[1]) > self.longest {
+        if resolution.is_some_and(|to| lengths[0].max(lengths[1]) > to.longest * self.reach) {
             let model = if lengths[0] > lengths[1] { height } else { squared };
             let ContractedBox { part, radii, .. } = contracted;
             let cut = widest(Some(&model), &radii, task.coordinates.count);
             return Examined::Bisected(part, cut);
         }
         let (part, value) = contracted.bounded(task);
-        if bisects && value - part.bound > LOOSENESS * value {
+        if resolution.is_some_and(|to| value - part.bound > to.looseness * value) {
             let cut = part.cut;
             return Examined::Bisected(part, cut);
         }
