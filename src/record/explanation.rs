@@ -379,7 +379,7 @@ impl SenseRowEntry {
 }
 
 fn corner(e: &Explanation<'_>) -> Option<ByName<i8>> {
-    let signs = e.lines.iter().zip(e.worst?.corner);
+    let signs = e.lines.iter().zip(e.worst?.corner.signs());
     let sign = |(line, sign): (&ParameterEffect, f64)| {
         (names::parameter(e.context.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
     };

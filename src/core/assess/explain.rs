@@ -105,7 +105,7 @@ impl<'a> Explanation<'a> {
         let mut values = [0.0; MAX_SOURCES];
         match &worst {
             Some(worst) if evaluator.reading != Reading::Signed => {
-                evaluator.corner(&worst.corner, &mut values);
+                evaluator.corner(worst.corner, &mut values);
             }
             _ => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
         }

@@ -107,9 +107,8 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: computes a lower bound for each member. If the values take no longer to compute than
-    /// the bounds, the function computes the values instead. A single member is judged, or its bound is
-    /// sharpened.
+    /// Opens a family: computes a lower bound for each member. If values take little computing time, the
+    /// function computes them instead. A single member is judged, or its bound is sharpened.
     ///
     /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
     /// the spot. The search does not need it as the first candidate ([`FirstFree::nearest`]) either, because
@@ -167,10 +166,9 @@ impl OperationQuery<'_> {
             return;
         }
         let (begin, family) = (&firsts[first], (branch, &firsts[first]));
-        let bounds = if evaluator.has_one_value_over_spins() {
-            None
-        } else {
-            evaluator.bounds_over_spins(context, frames, &mut scratch.evaluator)
+        let bounds = match evaluator.has_one_value_over_spins() {
+            true => None,
+            false => evaluator.bounds_over_spins(context, frames, &mut scratch.evaluator),
         };
         if let Some(bounds) = bounds {
             inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {

@@ -5,9 +5,9 @@
 //! A node whose error is certainly below the greatest error found cannot be the worst node. For such a node,
 //! the search only needs a usable posture whose value has an upper bound below that error. The search tries
 //! such upper bounds only for the members of spin families. Without spin families, the search judges every
-//! node, first the nodes far from the base, because their errors are usually the greatest. With spin families,
-//! the nodes with the greatest lower bound come first. The lower bound of a node is the least bound of its
-//! families.
+//! node, first the nodes far from the base, because their errors are usually the greatest. With spin
+//! families, the nodes with the greatest lower bound come first. The lower bound of a node is the least bound
+//! of its families.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::every_node::UnreachedNodes;

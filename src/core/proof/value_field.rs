@@ -27,9 +27,9 @@
 //! of all such boxes. No posture reaches a table cell without boxes, so the bound of this cell is infinite.
 //!
 //! A box whose bound is much less than its value at the centre is bisected further, until the allowed number
-//! of boxes is examined. The first boxes are bisected to a finer resolution, so that a simple arm gets a sharp
-//! field. A coarse box lowers the bounds of the field, but they remain valid. The search therefore finds the
-//! same spots with any field, bit for bit (`cargo test --test maths ranking::`).
+//! of boxes is examined. The first boxes are bisected to a finer resolution, so that a simple arm gets a
+//! sharp field. A coarse box lowers the bounds of the field, but they remain valid. The search therefore
+//! finds the same spots with any field, bit for bit (`cargo test --test maths ranking::`).
 //!
 //! The bound of a percentile assumes that its square is convex in the covariance ([`super::value_bound`]).
 //! This assumption is tested, but not proven. A field of percentiles is therefore lowered by

@@ -1,6 +1,7 @@
 //! Error by a nonlinear model at corners of the tolerance box, at one posture and in one sense.
 
 use super::MAX_SOURCES;
+use super::corner::{Corner, first};
 use super::evaluator::ErrorEvaluator;
 use super::flip_prediction::FlipPrediction;
 use super::pair_gains::PairGains;
@@ -62,16 +63,16 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Returns the error at a corner.
-    pub fn error(&mut self, signs: &[f64; MAX_SOURCES]) -> CornerError {
+    pub fn error(&mut self, corner: Corner) -> CornerError {
         let ErrorEvaluator { chain, sources, model, .. } = self.evaluator;
         let n = sources.list.len();
         if let Some(walk) = &mut self.walk {
-            let lower = lower_ends(self.evaluator, &signs[..n], signs);
+            let lower = self.evaluator.of_sources(corner).negative & first(n);
             let position = walk.position_error(&self.frames.tcp.translation, lower);
             return self.of_position(position);
         }
         let mut values = [0.0; MAX_SOURCES];
-        self.evaluator.corner(&self.evaluator.signs_of_sources(signs), &mut values);
+        self.evaluator.corner(self.evaluator.of_sources(corner), &mut values);
         if self.evaluator.alone && self.measure.is_of_position() {
             let errors = sources.perturbation(chain, &values[..n]);
             return self.of_position(position_error(self.frames, &errors, *model));
@@ -84,15 +85,15 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Returns the size of the error at a corner, in less time than [`Self::error`].
-    pub fn size(&mut self, signs: &[f64; MAX_SOURCES]) -> f64 {
+    pub fn size(&mut self, corner: Corner) -> f64 {
         let n = self.evaluator.sources.list.len();
         match &mut self.walk {
             Some(walk) => {
-                let lower = lower_ends(self.evaluator, &signs[..n], signs);
+                let lower = self.evaluator.of_sources(corner).negative & first(n);
                 let position = walk.position_error(&self.frames.tcp.translation, lower);
                 self.measure.size_of_position(&position)
             }
-            None => self.error(signs).size,
+            None => self.error(corner).size,
         }
     }
 
@@ -104,9 +105,9 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Sets the corner from which [`Self::may_exceed`] predicts how a flip of each sign changes the error.
-    pub fn stand_at(&mut self, signs: &[f64; MAX_SOURCES]) {
+    pub fn stand_at(&mut self, corner: Corner) {
         if let Some(flips) = &mut self.prediction {
-            flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs));
+            flips.set_corner(&self.evaluator.sources, self.evaluator.of_sources(corner));
         }
     }
 
@@ -142,23 +143,23 @@ impl<'a> CornerModel<'a> {
     /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
     /// of [`gray_code`]. All other signs are the signs at the corner of [`Self::stand_at`].
     ///
-    /// `signs` and `error` must be the signs and the error at that corner. Returns an upper bound of the
+    /// `corner` and `error` must be that corner and the error there. Returns an upper bound of the
     /// prediction error of the sizes, m or rad; None if there is no prediction.
     pub fn predict_combinations(
         &mut self,
-        signs: &[f64; MAX_SOURCES],
+        corner: Corner,
         error: &CornerError,
         free: &[usize],
         sizes: &mut [f64; 1 << MAX_FREE],
     ) -> Option<f64> {
         let prediction = self.prediction.as_mut()?;
-        let (signs, sources) = (self.evaluator.signs_of_sources(signs), &self.evaluator.sources);
+        let (corner, sources) = (self.evaluator.of_sources(corner), &self.evaluator.sources);
         let mut margin = ROUNDING * error.size;
         let mut products = [[Vector6::zeros(); MAX_FREE]; MAX_FREE];
         for (a, &k) in free.iter().enumerate() {
             margin += prediction.flip_of(k, &self.measure)?.margin;
             for (b, &l) in free.iter().enumerate().take(a) {
-                products[a][b] = prediction.product_of(sources, &signs, (k, l), &self.measure);
+                products[a][b] = prediction.product_of(sources, corner, (k, l), &self.measure);
                 products[b][a] = products[a][b];
             }
         }
@@ -173,19 +174,6 @@ impl<'a> CornerModel<'a> {
         }
         Some(margin)
     }
-}
-
-/// Returns the bit set of the sources that are at the lower end of their tolerance. `all` also holds the sign
-/// of the mean, which may reverse the signs of all sources.
-fn lower_ends(evaluator: &ErrorEvaluator, signs: &[f64], all: &[f64; MAX_SOURCES]) -> u128 {
-    let mut negative = [0u64; 2];
-    for (k, sign) in signs.iter().enumerate() {
-        negative[k / 64] |= (sign.to_bits() >> 63) << (k % 64);
-    }
-    let negative = u128::from(negative[1]) << 64 | u128::from(negative[0]);
-    let count = signs.len() as u32;
-    let every = u128::MAX.checked_shr(128 - count).unwrap_or(0);
-    if evaluator.is_reversed(all) { every & !negative } else { negative }
 }
 
 /// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it

@@ -1,6 +1,7 @@
 //! Local search for the corner of the tolerance box with the largest error under a nonlinear model.
 
 use super::MAX_SOURCES;
+use super::corner::Corner;
 use super::corner_model::{CornerError, CornerModel, MAX_FREE, gray_code};
 use super::worst_case::WorstCase;
 use super::zonotope::Farthest;
@@ -24,9 +25,6 @@ const PARALLEL_SINE: f64 = 1e-6;
 
 /// Largest number of corners that a search remembers, so that it ends early if it reaches one of them again.
 const OPTIMA: usize = 16;
-
-/// Signs of all sources at a corner of the tolerance box.
-type Signs = [f64; MAX_SOURCES];
 
 /// Returns the worst case by a model.
 ///
@@ -71,14 +69,15 @@ pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     quadratic: f64,
-    corners: [Signs; 2],
+    corners: [Corner; 2],
     model: &mut CornerModel,
-    largest: Option<impl FnOnce() -> [Signs; 2]>,
+    largest: Option<impl FnOnce() -> [Corner; 2]>,
 ) -> (WorstCase, bool) {
     let [corner, other] = corners;
-    let mut start = |signs: Signs| SearchCorner::new(columns, model.error(&signs), signs);
-    let starts = both(corner).map(&mut start);
-    let others = (!is_same(columns, &corner, &other)).then(|| both(other).map(&mut start));
+    let n = columns.len();
+    let mut start = |corner: Corner| SearchCorner::new(columns, model.error(corner), corner);
+    let starts = both(corner, n).map(&mut start);
+    let others = (!is_same(columns, corner, other)).then(|| both(other, n).map(&mut start));
     let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
     let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
     let mut search = CornerSearch {
@@ -87,7 +86,7 @@ pub fn by_model(
         gap,
         model,
         best: None,
-        optima: [0; OPTIMA],
+        optima: [Corner::default(); OPTIMA],
         known: 0,
     };
     let starts = starts.into_iter().chain(others.into_iter().flatten());
@@ -105,11 +104,11 @@ pub fn by_model(
     }
     let is_complete = count <= MAX_FREE || largest.is_some();
     if let Some(largest) = largest.filter(|_| count > MAX_FREE) {
-        for mut signs in largest().into_iter().flat_map(both) {
-            (0..columns.len()).filter(|k| !is_weak(k)).for_each(|k| signs[k] = corner[k]);
-            for signs in both(signs) {
-                let error = search.model.error(&signs);
-                search.polish(SearchCorner::new(columns, error, signs));
+        let strong = (0..n).filter(|k| !is_weak(k)).fold(0, |set, k| set | 1 << k);
+        for largest in largest().into_iter().flat_map(|largest| both(largest, n)) {
+            for mixed in both(largest.with_signs_of(corner, strong), n) {
+                let error = search.model.error(mixed);
+                search.polish(SearchCorner::new(columns, error, mixed));
             }
         }
     }
@@ -118,16 +117,18 @@ pub fn by_model(
     (WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }, is_complete)
 }
 
-/// Returns a corner and the opposite corner.
-pub(super) fn both(signs: Signs) -> [Signs; 2] {
-    [signs, signs.map(|s| -s)]
+/// Returns a corner of `count` columns and the opposite corner.
+pub(super) fn both(corner: Corner, count: usize) -> [Corner; 2] {
+    [corner, corner.opposite(count)]
 }
 
 /// Returns whether the columns that are not 0 have the same signs at two corners, or at one corner and the
 /// opposite of the other.
-fn is_same(columns: &[Vector6<f64>], a: &Signs, b: &Signs) -> bool {
-    let mut products = (0..columns.len()).filter(|&k| columns[k] != Vector6::zeros()).map(|k| a[k] * b[k]);
-    products.next().is_none_or(|first| products.all(|product| product == first))
+fn is_same(columns: &[Vector6<f64>], a: Corner, b: Corner) -> bool {
+    let moving =
+        (0..columns.len()).filter(|&k| columns[k] != Vector6::zeros()).fold(0, |set, k| set | 1 << k);
+    let apart = (a.negative ^ b.negative) & moving;
+    apart == 0 || apart == moving
 }
 
 /// Returns, for every column, a bit set of the later columns that are parallel to it.
@@ -156,21 +157,14 @@ fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
 /// Corner of the tolerance box that the local search has reached.
 struct SearchCorner {
     error: CornerError,
-    signs: Signs,
-    /// Bit set of the negative signs of the columns.
-    negative: u128,
-    /// Linear error at this corner: the sum of the columns multiplied by `signs`.
+    corner: Corner,
+    /// Linear error at this corner: the sum of the columns multiplied by their signs.
     sum: Vector6<f64>,
 }
 
 impl SearchCorner {
-    fn new(columns: &[Vector6<f64>], error: CornerError, signs: Signs) -> Self {
-        let (mut sum, mut negative) = (Vector6::zeros(), 0);
-        for (k, (column, sign)) in columns.iter().zip(&signs).enumerate() {
-            sum += column * *sign;
-            negative |= u128::from(*sign < 0.0) << k;
-        }
-        Self { error, signs, negative, sum }
+    fn new(columns: &[Vector6<f64>], error: CornerError, corner: Corner) -> Self {
+        Self { error, corner, sum: columns.iter().enumerate().map(|(k, c)| c * corner.sign(k)).sum() }
     }
 }
 
@@ -185,10 +179,10 @@ struct CornerSearch<'a, 'm> {
     gap: f64,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
-    best: Option<(f64, Signs)>,
-    /// Corners at which the search has ended because no flip increases the error, as bit sets of the negative
-    /// signs. The first [`Self::known`] entries are used.
-    optima: [u128; OPTIMA],
+    best: Option<(f64, Corner)>,
+    /// Corners at which the search has ended because no flip increases the error. The first
+    /// [`Self::known`] entries are used.
+    optima: [Corner; OPTIMA],
     known: usize,
 }
 
@@ -196,26 +190,26 @@ impl CornerSearch<'_, '_> {
     /// Tries all combinations of the signs of the `weak` sources at `start`, and searches from the best
     /// combination.
     fn polish_best_combination(&mut self, mut start: SearchCorner, weak: &[usize]) {
-        self.model.stand_at(&start.signs);
+        self.model.stand_at(start.corner);
         let mut sizes = [0.0; 1 << MAX_FREE];
-        let margin = self.model.predict_combinations(&start.signs, &start.error, weak, &mut sizes);
+        let margin = self.model.predict_combinations(start.corner, &start.error, weak, &mut sizes);
         let sizes = &sizes[..1 << weak.len()];
         // A combination can be the best only if its largest possible size reaches the least possible size of
         // every other combination.
         let limit =
             |margin: f64| sizes[1..].iter().fold(start.error.size, |least, s| least.max(s - margin)) - margin;
         let limit = margin.map_or(f64::NEG_INFINITY, limit);
-        let mut tried = start.signs;
+        let mut tried = start.corner;
         for (step, bit) in gray_code(weak.len()) {
-            tried[weak[bit]] = -tried[weak[bit]];
+            tried = tried.flipped(1 << weak[bit]);
             if sizes[step] >= limit {
-                let size = self.model.size(&tried);
+                let size = self.model.size(tried);
                 if size > start.error.size {
-                    (start.error, start.signs) = (self.model.error(&tried), tried);
+                    (start.error, start.corner) = (self.model.error(tried), tried);
                 }
             }
         }
-        self.polish(SearchCorner::new(self.columns, start.error, start.signs));
+        self.polish(SearchCorner::new(self.columns, start.error, start.corner));
     }
 
     /// Starts at the corner `start`, and flips single signs and the signs of parallel columns together. If no
@@ -225,7 +219,7 @@ impl CornerSearch<'_, '_> {
         if self.is_optimum(&at) {
             return;
         }
-        self.model.stand_at(&at.signs);
+        self.model.stand_at(at.corner);
         for _ in 0..MAX_ROUNDS {
             let before = at.error.size;
             for k in 0..self.columns.len() {
@@ -248,18 +242,18 @@ impl CornerSearch<'_, '_> {
             }
         }
         if self.best.is_none_or(|(size, _)| at.error.size > size) {
-            self.best = Some((at.error.size, at.signs));
+            self.best = Some((at.error.size, at.corner));
         }
     }
 
     /// Returns whether an earlier search ended at this corner because no flip increases the error.
     fn is_optimum(&self, at: &SearchCorner) -> bool {
-        self.optima[..self.known].contains(&at.negative)
+        self.optima[..self.known].contains(&at.corner)
     }
 
     fn note_optimum(&mut self, at: &SearchCorner) {
         if let Some(free) = self.optima.get_mut(self.known) {
-            *free = at.negative;
+            *free = at.corner;
             self.known += 1;
         }
     }
@@ -286,20 +280,18 @@ impl CornerSearch<'_, '_> {
         if !self.model.may_exceed(&at.error, members(flipped)) {
             return false;
         }
-        let change: Vector6<f64> = members(flipped).map(|k| self.columns[k] * (-2.0 * at.signs[k])).sum();
+        let change: Vector6<f64> =
+            members(flipped).map(|k| self.columns[k] * (-2.0 * at.corner.sign(k))).sum();
         if ((at.sum + change).norm() - at.sum.norm()).abs() > self.gap {
             return false;
         }
-        members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
-        let is_larger = self.model.size(&at.signs) > at.error.size;
+        let flipped = at.corner.flipped(flipped);
+        let is_larger = self.model.size(flipped) > at.error.size;
         if is_larger {
-            (at.error, at.sum) = (self.model.error(&at.signs), at.sum + change);
-            at.negative ^= flipped;
+            *at = SearchCorner { error: self.model.error(flipped), corner: flipped, sum: at.sum + change };
             if !self.is_optimum(at) {
-                self.model.stand_at(&at.signs);
+                self.model.stand_at(at.corner);
             }
-        } else {
-            members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
         }
         is_larger
     }

@@ -19,6 +19,7 @@
 //! 3 and higher is less than twice this bound. For a measured point at a distance r from the TCP, this bound
 //! grows by `|d_i| |w_i| A^2 r`. The growth bounds the effect of the truncated rotation vector on the point.
 
+use super::corner::Corner;
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
 use crate::cell::Parameter;
@@ -209,11 +210,11 @@ impl FlipPrediction {
         self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
     }
 
-    /// Sets the corner with the signs `signs`.
-    pub fn set_corner(&mut self, sources: &ErrorSources, signs: &[f64; MAX_SOURCES]) {
+    /// Sets the corner.
+    pub fn set_corner(&mut self, sources: &ErrorSources, corner: Corner) {
         self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
-        for ((own, source), sign) in self.sources.iter().zip(&sources.list).zip(signs) {
-            let value = source.at(*sign);
+        for (k, (own, source)) in self.sources.iter().zip(&sources.list).enumerate() {
+            let value = source.at(corner.sign(k));
             own.iter().for_each(|&(i, unit)| self.motions[i].size += unit * value);
         }
         let mut turned = Vector3::zeros();
@@ -230,8 +231,8 @@ impl FlipPrediction {
             moved += motion.g * motion.size;
             turned += motion.w * motion.size;
         }
-        for (change, (source, sign)) in self.changes.iter_mut().zip(sources.list.iter().zip(signs)) {
-            *change = -2.0 * source.plus_minus * sign;
+        for (k, (change, source)) in self.changes.iter_mut().zip(&sources.list).enumerate() {
+            *change = -2.0 * source.plus_minus * corner.sign(k);
         }
         self.computed = 0;
     }
@@ -308,11 +309,11 @@ impl FlipPrediction {
     pub fn product_of(
         &self,
         sources: &ErrorSources,
-        signs: &[f64; MAX_SOURCES],
+        corner: Corner,
         (k, l): (usize, usize),
         measure: &SenseRows,
     ) -> Vector6<f64> {
-        let change = |k: usize| -2.0 * sources.list[k].plus_minus * signs[k];
+        let change = |k: usize| -2.0 * sources.list[k].plus_minus * corner.sign(k);
         let mut sum = Displacement::NONE;
         for &(i, unit_i) in &self.sources[k] {
             for &(j, unit_j) in &self.sources[l] {

@@ -46,11 +46,6 @@ impl ErrorEvaluator {
         self.spin_bound.is_some()
     }
 
-    /// Returns whether [`Self::least_over_spins`] takes as much computing time as [`Self::value`].
-    pub fn has_dear_spin_bound(&self) -> bool {
-        matches!(self.spin_bound, Some(SpinBound::Signed(_)))
-    }
-
     /// Returns whether the reading is statistical and [`Self::value`] is the same after every rotation by the
     /// last joint. A single evaluation of the value then takes less computing time than the lower bounds for
     /// all rotations.

@@ -20,6 +20,7 @@
 //! excludes the error of the pick ([`PickReference`]).
 
 mod budget;
+mod corner;
 mod corner_model;
 mod corner_search;
 mod effects;
@@ -54,6 +55,7 @@ mod worst_corner;
 pub mod zonotope;
 
 pub use budget::{Budget, Share};
+pub use corner::Corner;
 pub use effects::Effects;
 pub use error_propagation::{ErrorPropagation, PreparedSample};
 pub use error_sources::{ErrorSource, ErrorSources, MAX_SOURCES};

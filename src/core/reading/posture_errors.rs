@@ -83,7 +83,7 @@ impl ErrorEvaluator {
         let mut values = [0.0; MAX_SOURCES];
         match self.reading {
             Reading::Signed => values[..self.signed_values.len()].copy_from_slice(&self.signed_values),
-            _ => self.corner(&worst[own].corner, &mut values),
+            _ => self.corner(worst[own].corner, &mut values),
         }
         let values = &values[..self.sources.list.len()];
         let by_model = self.by_all_models(values, context, frames, memory);

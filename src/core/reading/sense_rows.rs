@@ -76,9 +76,9 @@ impl SenseRows {
         &self.arm
     }
 
-    /// Returns two upper bounds of the root sum square of the components along the rows. The first is per unit
-    /// of displacement, over the rows that measure the position. The second is per unit of rotation, over the
-    /// rows that measure the rotation.
+    /// Returns two upper bounds of the root sum square of the components along the rows. The first is per
+    /// unit of displacement, over the rows that measure the position. The second is per unit of rotation,
+    /// over the rows that measure the rotation.
     ///
     /// The square of each bound is the largest sum of the absolute values in a row of the Gram matrix of
     /// these rows. This sum is at least the largest eigenvalue (S. Gershgorin, 1931).

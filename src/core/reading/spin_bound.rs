@@ -7,7 +7,7 @@
 //!
 //! - Signed sample: the errors after the joint displace the TCP by at most r, and the errors before the joint
 //!   move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
-//! - Worst case: the worst case without the tolerances after the joint is a lower bound.
+//! - Worst case: the linear error at a corner with a large error is a lower bound (`spun_worst_case`).
 //! - Normal parameters: after a rotation by q, an effect of an error after the joint is c0 + c1 cos q + c2
 //!   sin q. So the entries of the covariance are trigonometric polynomials of degree 2. If the mean of an
 //!   error is set to 0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176);
@@ -30,8 +30,7 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// Bound for normal parameters.
     Normal(NormalBound),
-    /// Lower bound of a worst case. It leaves out the errors after the last joint, because these errors can
-    /// only increase a worst case.
+    /// Bound for a worst case (`spun_worst_case`).
     WorstCase,
 }
 

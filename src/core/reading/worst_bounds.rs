@@ -1,18 +1,19 @@
 //! Lower bounds of the worst case at a posture. A bound takes much less computing time than the worst case.
 //!
-//! The linear error at any corner of the tolerance box is at most the linear worst case. Leaving out a source
-//! only reduces this worst case. At any corner, the error by the cell's model and the linear error differ by
-//! products of two and more parameter errors. The sums of all rotations and displacements bound these
-//! products. The local search for the nonlinear worst case starts at the worst corner of the linear model and
-//! at the opposite corner. So the worst case that it finds is at least the larger of the errors at these two
-//! corners.
+//! The local search for the nonlinear worst case starts at the worst corner of the linear model and at the
+//! opposite corner. So the worst case that it finds is at least the larger of the errors at these two
+//! corners. Let the error at a corner be L + E + O. Here L is the linear term, E the sum of all other terms
+//! of even order, and O the sum of all other terms of odd order. The opposite corner has the error -L + E -
+//! O. The larger of the two errors is at least `|L + O|`, and `|L + O| >= |L| - |O|`. The worst linear error
+//! is at least the linear error at any corner. Sums of rotations and displacements bound `|O|`.
 
+use super::corner::Corner;
 use super::corner_model::CornerModel;
 use super::corner_search::both;
 use super::flip_prediction::FlipPrediction;
 use super::work_context::WorkContext;
 use super::zonotope::far_vertex;
-use super::{ErrorEvaluator, EvaluatorScratch, MAX_SOURCES, SenseRows};
+use super::{ErrorEvaluator, EvaluatorScratch, SenseRows};
 use crate::cell::{Model, Reading};
 use crate::robot::Frames;
 use nalgebra::Vector6;
@@ -53,14 +54,15 @@ impl ErrorEvaluator {
         let corner = self.far_corner(&columns[..n], measure.rows());
         let mut model =
             CornerModel::new(self, measure, (context, frames), expansion, None, walk.as_deref_mut());
-        both(corner).iter().map(|corner| model.size(corner)).fold(0.0, f64::max)
+        both(corner, n).map(|corner| model.size(corner)).into_iter().fold(0.0, f64::max)
     }
 
-    /// Returns a corner with a large linear error. One sign per column describes the corner.
-    pub(super) fn far_corner(&self, columns: &[Vector6<f64>], rows: usize) -> [f64; MAX_SOURCES] {
-        let (sum, mut corner) = (far_vertex(columns, rows), [1.0; MAX_SOURCES]);
-        corner.iter_mut().zip(columns).filter(|(_, c)| c.dot(&sum) < 0.0).for_each(|(sign, _)| *sign = -1.0);
-        if self.is_reversed(&corner) { corner.map(|sign| -sign) } else { corner }
+    /// Returns a corner with a large linear error.
+    pub(super) fn far_corner(&self, columns: &[Vector6<f64>], rows: usize) -> Corner {
+        let sum = far_vertex(columns, rows);
+        let bits = columns.iter().enumerate().map(|(k, c)| u128::from(c.dot(&sum) < 0.0) << k);
+        let corner = Corner { negative: bits.fold(0, |set, bit| set | bit) };
+        if self.is_reversed(corner) { corner.opposite(columns.len()) } else { corner }
     }
 
     /// Returns the worst case by the linear model at a posture, or an upper bound of it.

@@ -2,6 +2,7 @@
 //! largest.
 
 use super::MAX_SOURCES;
+use super::corner::Corner;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
@@ -16,8 +17,8 @@ pub struct WorstCase {
     /// Largest error by the chosen model, found by a local search over the corners of the tolerance box. For
     /// the linear model, this value equals `linear`.
     pub by_model: f64,
-    /// Sign of every source at the corner of the tolerance box where the largest error was found.
-    pub corner: [f64; MAX_SOURCES],
+    /// Corner of the tolerance box where the largest error was found.
+    pub corner: Corner,
 }
 
 /// Returns the maximum of `|sum_k s_k g_k|` over all signs `s`, and writes the maximizing signs to `corner`.

@@ -1,5 +1,6 @@
 //! Corner of the tolerance box at which an operation has the largest error in a sense.
 
+use super::corner::Corner;
 use super::corner_model::CornerModel;
 use super::corner_search::by_model;
 use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
@@ -27,7 +28,8 @@ impl ErrorEvaluator {
     /// Returns the largest size of the error that the local search finds, and whether this search is
     /// complete. Call [`Self::prepare_effects`] first.
     ///
-    /// If `all` is false, the search does not start at mixed corners ([`by_model`]). The result of an incomplete search is a lower bound of the result of a complete search.
+    /// If `all` is false, the search does not start at mixed corners ([`by_model`]). The result of an
+    /// incomplete search is a lower bound of the result of a complete search.
     pub(super) fn worst_found(
         &self,
         sense: &Sense,
@@ -43,6 +45,7 @@ impl ErrorEvaluator {
         if self.model == Model::Linear {
             let exact = linear.upper <= linear.value;
             let linear = linear.upper.max(linear.value);
+            let corner = Corner::of_signs(&corner[..n]);
             return (WorstCase { linear, exact, by_model: linear, corner }, true);
         }
         let quadratic = self.quadratic(&memory.effects);
@@ -50,17 +53,19 @@ impl ErrorEvaluator {
         let (flips, walk) = (flips.as_deref_mut(), walk.as_deref_mut());
         let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips, walk);
         let columns = &columns[..n + of_mean];
-        let corners = [corner, self.far_corner(columns, measure.rows())];
+        let corners = [Corner::of_signs(&corner[..columns.len()]), self.far_corner(columns, measure.rows())];
         let largest = all.then_some(|| self.largest(effects, scratch));
         let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corners, &mut model, largest);
-        worst.corner = self.signs_of_sources(&worst.corner);
+        worst.corner = self.of_sources(worst.corner);
         (worst, is_complete)
     }
 
-    /// Converts a corner of the local search to signs of the sources. The local search treats the mean error
-    /// as an additional source, which also has a sign. If this sign is -1, the function reverses all signs.
-    pub fn signs_of_sources(&self, signs: &[f64; MAX_SOURCES]) -> [f64; MAX_SOURCES] {
-        if self.is_reversed(signs) { signs.map(|sign| -sign) } else { *signs }
+    /// Converts a corner of the local search to a corner of the sources. The local search treats the mean
+    /// error as an additional source, which also has a sign. If this sign is -1, the function reverses all
+    /// signs.
+    pub(super) fn of_sources(&self, corner: Corner) -> Corner {
+        let n = self.sources.list.len();
+        if self.is_reversed(corner) { corner.opposite(n + 1) } else { corner }
     }
 
     /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
@@ -68,15 +73,15 @@ impl ErrorEvaluator {
     /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the
     /// search for the worst corner treats the mean as an additional source whose sign is free. This sign is
     /// stored after the signs of the sources.
-    pub fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
-        self.mean.is_some() && signs[self.sources.list.len()] < 0.0
+    pub(super) fn is_reversed(&self, corner: Corner) -> bool {
+        self.mean.is_some() && corner.sign(self.sources.list.len()) < 0.0
     }
 
-    /// Returns two corners of the tolerance box. One sign per source describes each corner.
+    /// Returns two corners of the tolerance box.
     ///
     /// By the linear model, the TCP has the largest displacement at the first corner, and the largest
     /// rotation at the second corner.
-    fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [[f64; MAX_SOURCES]; 2] {
+    fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [Corner; 2] {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
@@ -87,7 +92,7 @@ impl ErrorEvaluator {
             let mut corner = [1.0; MAX_SOURCES];
             let n = self.sources.list.len();
             farthest(&columns[..n], 3, scratch, &mut corner[..n]);
-            corner
+            Corner::of_signs(&corner[..n])
         })
     }
 
@@ -115,7 +120,7 @@ impl ErrorEvaluator {
         let mut corner = [0.0; MAX_SOURCES];
         let n = self.set_columns(measure, memory);
         let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
-        if self.is_reversed(&corner) {
+        if self.is_reversed(Corner::of_signs(&corner[..n])) {
             corner.iter_mut().for_each(|sign| *sign = -*sign);
         }
         (found, corner)
@@ -135,11 +140,10 @@ impl ErrorEvaluator {
         n + 1
     }
 
-    /// Writes the values of the sources at a corner of the tolerance box. `signs` holds the sign of every
-    /// source at this corner.
-    pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
-        for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
-            *value = source.at(*sign);
+    /// Writes the values of the sources at a corner of the tolerance box.
+    pub fn corner(&self, corner: Corner, values: &mut [f64]) {
+        for (k, (value, source)) in values.iter_mut().zip(&self.sources.list).enumerate() {
+            *value = source.at(corner.sign(k));
         }
     }
 }

@@ -240,7 +240,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let [worst_linear, worst, rms, mean, p95, p99] =
         [f.worst_linear, f.worst, f.rms, f.mean, f.p95, f.p99].map(|v| fixed(unit.from_si(v), 5));
     let sign = |s: f64| if s < 0.0 { "-" } else { "+" };
-    let corner = e.worst.iter().flat_map(|worst| e.lines.iter().zip(worst.corner));
+    let corner = e.worst.iter().flat_map(|worst| e.lines.iter().zip(worst.corner.signs()));
     let corner: Vec<String> = corner
         .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.context.cell, l.source.parameter)))
         .collect();

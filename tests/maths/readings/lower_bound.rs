@@ -5,11 +5,11 @@ use crate::readings::bench::{alone, cell_of, gauge_of, random_robot};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
-use sweetspot::cell::{ErrorSet, Model, Parameter, Quantity, Reading, Robot, Sense, SignedErrors, Tolerance};
+use sweetspot::cell::{ErrorSet, Model, Parameter, Quantity, Reading, Robot, Sense, SignedErrors};
 use sweetspot::robot::Chain;
 
-/// Returns tolerances of every rigid parameter of a robot. `turned` is the largest tolerance of an angle, rad.
-fn tolerances(rng: &mut ChaCha8Rng, robot: &Robot, turned: f64) -> Tolerance {
+/// Returns errors of every rigid parameter of a robot. `turned` is the largest error of an angle, rad.
+fn errors(rng: &mut ChaCha8Rng, robot: &Robot, turned: f64) -> ErrorSet {
     let axes = robot.axes();
     let value = |p: Parameter| match p {
         _ if p.is_elastic() => 0.0,
@@ -22,7 +22,7 @@ fn tolerances(rng: &mut ChaCha8Rng, robot: &Robot, turned: f64) -> Tolerance {
         _ => rng.random_range(0.0..turned),
     };
     let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
-    ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values)).tolerance()
+    ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values))
 }
 
 /// Every bound of a worst case holds for random robots, tolerances of every rigid parameter, senses and
@@ -35,7 +35,7 @@ fn the_bounds_of_a_worst_case_are_not_above_it() {
         let axes = rng.random_range(3..=7);
         let robot = random_robot(&mut rng, axes);
         let turned = 10f64.powf(rng.random_range(-5.0..-1.0));
-        let set = tolerances(&mut rng, &robot, turned);
+        let set = errors(&mut rng, &robot, turned).tolerance();
         let mut cell = cell_of(robot, set, Sense::plain(["xyz", "xy", "z"][k / 3 % 3]).unwrap());
         cell.reading = Reading::WorstCase;
         cell.model = [Model::Nonlinear, Model::Linear, Model::SecondOrder][k % 3];
@@ -58,8 +58,8 @@ fn the_bounds_of_a_worst_case_are_not_above_it() {
     assert!(small >= 20 && 10 * close > 9 * small, "{close} of {small}");
 }
 
-/// The bounds over the rotations of the tool hold after random rotations by the last joint, in the worst case
-/// and in the statistical reading. They are near the least value over many rotations.
+/// The bounds over the rotations of the tool hold after random rotations by the last joint, in the worst
+/// case and in the statistical reading. They are near the least value over many rotations.
 #[test]
 fn the_bounds_over_spins_hold_after_every_rotation_of_the_tool() {
     let mut rng = ChaCha8Rng::seed_from_u64(72);
@@ -67,8 +67,9 @@ fn the_bounds_over_spins_hold_after_every_rotation_of_the_tool() {
     let (mut compared, mut close) = (0, 0);
     for k in 0..cases(24, 240) {
         let turned = 10f64.powf(rng.random_range(-5.0..-2.0));
-        let set = tolerances(&mut rng, &robot, turned);
-        let mut cell = cell_of(robot.clone(), set, Sense::plain(["xyz", "xy", "z"][k % 3]).unwrap());
+        let set = errors(&mut rng, &robot, turned).tolerance();
+        let sense = Sense::plain(["xyz", "xy", "z"][k / 3 % 3]).unwrap();
+        let mut cell = cell_of(robot.clone(), set, sense);
         cell.reading = [Reading::WorstCase, Reading::Statistical][k % 2];
         cell.model = [Model::Nonlinear, Model::Linear, Model::SecondOrder][k / 2 % 3];
         cell.quantity = [Quantity::P95, Quantity::Rms][k / 2 % 2];

@@ -157,7 +157,7 @@ fn the_worst_case_of_measured_errors_agrees_with_all_corners() {
             evaluator.prepare(&alone(), &frames, &mut memory);
             let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory);
             let mut values = vec![0.0; evaluator.sources.list.len()];
-            evaluator.corner(&worst.corner, &mut values);
+            evaluator.corner(worst.corner, &mut values);
             let there = evaluator.error_of(&values, &alone(), &frames, model, &mut memory).position.norm();
             assert!((there - worst.by_model).abs() < 1e-12, "{there} {}", worst.by_model);
         }

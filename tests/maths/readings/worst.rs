@@ -89,7 +89,7 @@ fn the_worst_case_of_random_chains_agrees_with_every_corner() {
                 worst.linear
             );
             // The reported corner attains the worst case.
-            let at: Vector3<f64> = columns.iter().zip(&worst.corner).map(|(c, s)| keep * c * *s).sum();
+            let at: Vector3<f64> = columns.iter().zip(worst.corner.signs()).map(|(c, s)| keep * c * s).sum();
             assert!((at.norm() - want).abs() <= 1e-12 * scale, "{k} {name}: corner {} {want}", at.norm());
         }
     }
@@ -214,7 +214,7 @@ fn no_two_flips_increase_the_worst_case_of_many_sources() {
             let (found, is_complete) = evaluator.searched_worst(&alone(), &frames, &mut memory);
             assert!(found <= worst.by_model && (!is_complete || found == worst.by_model));
             partial += usize::from(!is_complete);
-            let mut signs = worst.corner[..list.len()].to_vec();
+            let mut signs = worst.corner.signs()[..list.len()].to_vec();
             let (least, linear) = (worst.by_model, size(&signs, Model::Linear));
             assert!((size(&signs, Model::Nonlinear) - least).abs() <= 1e-12 * least);
             for i in 0..list.len() {

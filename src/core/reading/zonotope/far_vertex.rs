@@ -30,8 +30,8 @@ static STARTS: LazyLock<[[[f64; DIRECTIONS]; 3]; 2]> = LazyLock::new(|| {
     ]
 });
 
-/// Returns a vertex of the zonotope that is far from the origin: a sum of all generators, each with the sign +1
-/// or -1.
+/// Returns a vertex of the zonotope that is far from the origin: a sum of all generators, each with the sign
+/// +1 or -1.
 ///
 /// The components of the generators after the first `rows` components must be 0.
 pub fn far_vertex(generators: &[Vector6<f64>], rows: usize) -> Vector6<f64> {
