@@ -52,10 +52,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;
-/// Resolution of a field that needs many boxes.
-const COARSE: Resolution = Resolution { longest: 0.05, looseness: 0.05 };
-/// Resolution of a field that needs few boxes.
-const FINE: Resolution = Resolution { longest: 0.0125, looseness: 0.01 };
+/// FieldResolution of a field that needs many boxes.
+const COARSE: FieldResolution = FieldResolution { longest: 0.05, looseness: 0.05 };
+/// FieldResolution of a field that needs few boxes.
+const FINE: FieldResolution = FieldResolution { longest: 0.0125, looseness: 0.01 };
 /// Number of boxes up to which boxes are bisected to the resolution [`FINE`].
 const FINE_BOXES: usize = 4_000;
 /// Length of a table cell as a share of the longest range of a box.
@@ -63,8 +63,8 @@ const CELL_SHARE: f64 = 0.5;
 /// Share by which the bounds of percentiles are lowered.
 const PERCENTILE_MARGIN: f64 = 2e-3;
 
-/// Resolution to which boxes of joint coordinates are bisected.
-struct Resolution {
+/// FieldResolution to which boxes of joint coordinates are bisected.
+struct FieldResolution {
     /// Longest range of height or radius of a box that is not bisected, as a share of the reach of the arm.
     longest: f64,
     /// A box is bisected further if its bound is less than the value at its centre by more than this share.
@@ -190,7 +190,7 @@ impl FieldSearch<'_> {
     }
 
     /// Examines a box. The box is not bisected if there is no `resolution`.
-    fn examined(&self, part: JointBox, resolution: Option<&Resolution>) -> Examined {
+    fn examined(&self, part: JointBox, resolution: Option<&FieldResolution>) -> Examined {
         let task = &self.task;
         let Some(contracted) = part.contracted(task) else { return Examined::Empty };
         let [height, squared] = [ConstrainedQuantity::Height, ConstrainedQuantity::RadiusSquared]

@@ -1,16 +1,16 @@
-//! Corner of a tolerance box.
+//! Corner of a tolerance box, as a bit set of signs.
 
 use super::MAX_SOURCES;
 
 /// Corner of a tolerance box: one sign per column. A column is the linear effect of one source, or of all
 /// means together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Corner {
+pub struct ToleranceCorner {
     /// Bit set of the columns with the sign -1.
     pub negative: u128,
 }
 
-impl Corner {
+impl ToleranceCorner {
     /// Returns the corner with the given signs.
     pub fn of_signs(signs: &[f64]) -> Self {
         let bit = |(k, sign): (usize, &f64)| u128::from(*sign < 0.0) << k;

@@ -1,7 +1,7 @@
 //! Error by a nonlinear model at corners of the tolerance box, at one posture and in one sense.
 
 use super::MAX_SOURCES;
-use super::corner::{Corner, first};
+use super::corner::{ToleranceCorner, first};
 use super::evaluator::ErrorEvaluator;
 use super::flip_prediction::FlipPrediction;
 use super::pair_gains::PairGains;
@@ -63,7 +63,7 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Returns the error at a corner.
-    pub fn error(&mut self, corner: Corner) -> CornerError {
+    pub fn error(&mut self, corner: ToleranceCorner) -> CornerError {
         let ErrorEvaluator { chain, sources, model, .. } = self.evaluator;
         let n = sources.list.len();
         if let Some(walk) = &mut self.walk {
@@ -85,7 +85,7 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Returns the size of the error at a corner, in less time than [`Self::error`].
-    pub fn size(&mut self, corner: Corner) -> f64 {
+    pub fn size(&mut self, corner: ToleranceCorner) -> f64 {
         let n = self.evaluator.sources.list.len();
         match &mut self.walk {
             Some(walk) => {
@@ -105,7 +105,7 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Sets the corner from which [`Self::may_exceed`] predicts how a flip of each sign changes the error.
-    pub fn stand_at(&mut self, corner: Corner) {
+    pub fn stand_at(&mut self, corner: ToleranceCorner) {
         if let Some(flips) = &mut self.prediction {
             flips.set_corner(&self.evaluator.sources, self.evaluator.of_sources(corner));
         }
@@ -147,7 +147,7 @@ impl<'a> CornerModel<'a> {
     /// prediction error of the sizes, m or rad; None if there is no prediction.
     pub fn predict_combinations(
         &mut self,
-        corner: Corner,
+        corner: ToleranceCorner,
         error: &CornerError,
         free: &[usize],
         sizes: &mut [f64; 1 << MAX_FREE],

@@ -1,7 +1,7 @@
 //! Local search for the corner of the tolerance box with the largest error under a nonlinear model.
 
 use super::MAX_SOURCES;
-use super::corner::Corner;
+use super::corner::ToleranceCorner;
 use super::corner_model::{CornerError, CornerModel, MAX_FREE, gray_code};
 use super::worst_case::WorstCase;
 use super::zonotope::Farthest;
@@ -69,13 +69,13 @@ pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     quadratic: f64,
-    corners: [Corner; 2],
+    corners: [ToleranceCorner; 2],
     model: &mut CornerModel,
-    largest: Option<impl FnOnce() -> [Corner; 2]>,
+    largest: Option<impl FnOnce() -> [ToleranceCorner; 2]>,
 ) -> (WorstCase, bool) {
     let [corner, other] = corners;
     let n = columns.len();
-    let mut start = |corner: Corner| SearchCorner::new(columns, model.error(corner), corner);
+    let mut start = |corner: ToleranceCorner| SearchCorner::new(columns, model.error(corner), corner);
     let starts = both(corner, n).map(&mut start);
     let others = (!is_same(columns, corner, other)).then(|| both(other, n).map(&mut start));
     let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
@@ -86,7 +86,7 @@ pub fn by_model(
         gap,
         model,
         best: None,
-        optima: [Corner::default(); OPTIMA],
+        optima: [ToleranceCorner::default(); OPTIMA],
         known: 0,
     };
     let starts = starts.into_iter().chain(others.into_iter().flatten());
@@ -118,13 +118,13 @@ pub fn by_model(
 }
 
 /// Returns a corner of `count` columns and the opposite corner.
-pub(super) fn both(corner: Corner, count: usize) -> [Corner; 2] {
+pub(super) fn both(corner: ToleranceCorner, count: usize) -> [ToleranceCorner; 2] {
     [corner, corner.opposite(count)]
 }
 
 /// Returns whether the columns that are not 0 have the same signs at two corners, or at one corner and the
 /// opposite of the other.
-fn is_same(columns: &[Vector6<f64>], a: Corner, b: Corner) -> bool {
+fn is_same(columns: &[Vector6<f64>], a: ToleranceCorner, b: ToleranceCorner) -> bool {
     let moving =
         (0..columns.len()).filter(|&k| columns[k] != Vector6::zeros()).fold(0, |set, k| set | 1 << k);
     let apart = (a.negative ^ b.negative) & moving;
@@ -157,13 +157,13 @@ fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
 /// Corner of the tolerance box that the local search has reached.
 struct SearchCorner {
     error: CornerError,
-    corner: Corner,
+    corner: ToleranceCorner,
     /// Linear error at this corner: the sum of the columns multiplied by their signs.
     sum: Vector6<f64>,
 }
 
 impl SearchCorner {
-    fn new(columns: &[Vector6<f64>], error: CornerError, corner: Corner) -> Self {
+    fn new(columns: &[Vector6<f64>], error: CornerError, corner: ToleranceCorner) -> Self {
         Self { error, corner, sum: columns.iter().enumerate().map(|(k, c)| c * corner.sign(k)).sum() }
     }
 }
@@ -179,10 +179,10 @@ struct CornerSearch<'a, 'm> {
     gap: f64,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
-    best: Option<(f64, Corner)>,
+    best: Option<(f64, ToleranceCorner)>,
     /// Corners at which the search has ended because no flip increases the error. The first
     /// [`Self::known`] entries are used.
-    optima: [Corner; OPTIMA],
+    optima: [ToleranceCorner; OPTIMA],
     known: usize,
 }
 

@@ -6,7 +6,7 @@ use super::flip_prediction::FlipPrediction;
 use super::isotropic_tool::is_isotropic;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
-use super::spin_bound::SpinBound;
+use super::spin_bound::{SpinBound, SpinCovariance};
 use super::spun_worst_case::SpunWorstCase;
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::zonotope::ZonotopeScratch;
@@ -77,6 +77,9 @@ pub struct EvaluatorScratch {
     /// Lower bounds of the worst case after rotations of the tool, at the last posture for which they were
     /// prepared.
     pub(super) spun: SpunWorstCase,
+    /// Covariance of normal errors as a function of the rotation of the tool, at the last posture for which
+    /// it was computed.
+    pub(super) covariance: SpinCovariance,
 }
 
 impl EvaluatorScratch {
@@ -166,6 +169,7 @@ impl ErrorEvaluator {
             scratch: ZonotopeScratch::default(),
             conditional: ConditionalScratch::of_components(components),
             spun: SpunWorstCase::default(),
+            covariance: SpinCovariance::default(),
         }
     }
 

@@ -19,7 +19,7 @@
 //! 3 and higher is less than twice this bound. For a measured point at a distance r from the TCP, this bound
 //! grows by `|d_i| |w_i| A^2 r`. The growth bounds the effect of the truncated rotation vector on the point.
 
-use super::corner::Corner;
+use super::corner::ToleranceCorner;
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
 use crate::cell::Parameter;
@@ -211,7 +211,7 @@ impl FlipPrediction {
     }
 
     /// Sets the corner.
-    pub fn set_corner(&mut self, sources: &ErrorSources, corner: Corner) {
+    pub fn set_corner(&mut self, sources: &ErrorSources, corner: ToleranceCorner) {
         self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
         for (k, (own, source)) in self.sources.iter().zip(&sources.list).enumerate() {
             let value = source.at(corner.sign(k));
@@ -309,7 +309,7 @@ impl FlipPrediction {
     pub fn product_of(
         &self,
         sources: &ErrorSources,
-        corner: Corner,
+        corner: ToleranceCorner,
         (k, l): (usize, usize),
         measure: &SenseRows,
     ) -> Vector6<f64> {

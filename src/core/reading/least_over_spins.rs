@@ -17,7 +17,7 @@ pub enum BoundsOverSpins<'m> {
     /// Bounds of a worst case.
     WorstCase(&'m SpunWorstCase),
     /// Bounds for normal parameters: a figure of the error, and the covariance of the error.
-    Normal(&'m CentredBound, SpinCovariance),
+    Normal(&'m CentredBound, &'m SpinCovariance),
 }
 
 impl BoundsOverSpins<'_> {
@@ -87,10 +87,10 @@ impl ErrorEvaluator {
             }
             SpinBound::Normal(bound) => bound,
         };
-        let EvaluatorScratch { expansion, effects, position, .. } = memory;
+        let EvaluatorScratch { expansion, effects, position, covariance, .. } = memory;
         let measure = self.measure(&self.sense, context, frames);
         let axis = frames.tcp.rotation * self.chain.tool_axis;
-        let covariance = match (&bound.factors, position) {
+        *covariance = match (&bound.factors, position) {
             (Some(factors), Some(expansion)) => {
                 NormalBound::covariance_of_position(factors, frames, expansion, &measure, &axis)
             }

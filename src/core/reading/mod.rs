@@ -55,7 +55,7 @@ mod worst_corner;
 pub mod zonotope;
 
 pub use budget::{Budget, Share};
-pub use corner::Corner;
+pub use corner::ToleranceCorner;
 pub use effects::Effects;
 pub use error_propagation::{ErrorPropagation, PreparedSample};
 pub use error_sources::{ErrorSource, ErrorSources, MAX_SOURCES};

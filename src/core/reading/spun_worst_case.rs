@@ -5,16 +5,13 @@
 //! this sum is long, and let d be the direction of S. For each effect `e_k` that rotates with the tool, the
 //! sign of `d . e_k` gives its sign at the corner c. After every rotation, the worst case is then at least
 //! `|S + sum_k sign(d . e_k) e_k| - O`. Here O is the largest sum of the products that can reduce the worst
-//! case ([`ErrorEvaluator::lost_products`]).
+//! case (`worst_bounds`).
 
-use super::error_sources::is_behind;
-use super::spin_bound::rotating_parts;
-use super::work_context::WorkContext;
-use super::worst_bounds::ROUNDING;
 use super::zonotope::far_vertex;
-use super::{ErrorEvaluator, EvaluatorScratch};
-use crate::robot::Frames;
 use nalgebra::Vector6;
+
+/// Largest rounding error of a bound, as a share of the bound.
+pub const ROUNDING: f64 = 1e-9;
 
 /// Lower bound of the worst case at one posture, after any rotation of the tool about its axis by the
 /// last joint.
@@ -34,6 +31,23 @@ pub struct SpunWorstCase {
 }
 
 impl SpunWorstCase {
+    /// Prepares the bounds of a sense with `rows` rows. The columns in `staying` are the effects of the
+    /// sources that do not rotate with the tool. `rotating` returns the parts of all other effects. `lost` is
+    /// an upper bound of the products of errors that can reduce the worst case, m or rad.
+    pub fn set(
+        &mut self,
+        rows: usize,
+        staying: &[Vector6<f64>],
+        rotating: impl Iterator<Item = [Vector6<f64>; 3]>,
+        lost: f64,
+    ) {
+        self.staying = far_vertex(staying, rows);
+        self.direction = self.staying.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+        self.rotating.clear();
+        self.rotating.extend(rotating);
+        self.lost = lost;
+    }
+
     /// Returns the lower bound after a rotation with the given cosine and sine.
     pub fn at(&self, (cos, sin): (f64, f64)) -> f64 {
         let mut sum = self.staying;
@@ -47,37 +61,5 @@ impl SpunWorstCase {
     /// Returns whether the lower bound depends on the rotation of the tool.
     pub fn rotates(&self) -> bool {
         !self.rotating.is_empty()
-    }
-}
-
-impl ErrorEvaluator {
-    /// Prepares `memory` for the lower bounds of the worst case at a posture, and returns them.
-    ///
-    /// The spin bound of the evaluator must be [`super::spin_bound::SpinBound::WorstCase`].
-    pub(super) fn spun_worst_case<'m>(
-        &self,
-        context: &WorkContext,
-        frames: &Frames,
-        memory: &'m mut EvaluatorScratch,
-    ) -> &'m SpunWorstCase {
-        self.prepare_effects(context, frames, memory);
-        let measure = self.measure(&self.sense, context, frames);
-        let lost = self.lost_products(&measure, context, frames, memory).unwrap_or(f64::INFINITY);
-        let EvaluatorScratch { effects, columns, spun, .. } = memory;
-        let (mut n, axes, axis) = (0, self.chain.axes(), frames.tcp.rotation * self.chain.tool_axis);
-        spun.rotating.clear();
-        for (source, effect) in self.sources.list.iter().zip(&effects.columns) {
-            let effect = *effect * source.plus_minus;
-            if is_behind(source.parameter, axes) {
-                spun.rotating.push(rotating_parts(&effect, &axis, &measure));
-            } else {
-                columns[n] = measure.column(&effect);
-                n += 1;
-            }
-        }
-        spun.staying = far_vertex(&columns[..n], measure.rows());
-        spun.direction = spun.staying.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-        spun.lost = lost;
-        spun
     }
 }

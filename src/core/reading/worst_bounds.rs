@@ -7,19 +7,19 @@
 //! O. The larger of the two errors is at least `|L + O|`, and `|L + O| >= |L| - |O|`. The worst linear error
 //! is at least the linear error at any corner. Sums of rotations and displacements bound `|O|`.
 
-use super::corner::Corner;
+use super::corner::ToleranceCorner;
 use super::corner_model::CornerModel;
 use super::corner_search::both;
+use super::error_sources::is_behind;
 use super::flip_prediction::FlipPrediction;
+use super::spin_bound::rotating_parts;
+use super::spun_worst_case::{ROUNDING, SpunWorstCase};
 use super::work_context::WorkContext;
 use super::zonotope::far_vertex;
 use super::{ErrorEvaluator, EvaluatorScratch, SenseRows};
 use crate::cell::{Model, Reading};
 use crate::robot::Frames;
 use nalgebra::Vector6;
-
-/// Largest rounding error of a bound, as a share of the bound.
-pub(super) const ROUNDING: f64 = 1e-9;
 
 impl ErrorEvaluator {
     /// Returns whether [`Self::value`] is a worst case, and [`Self::rough_worst`] takes much less computing
@@ -43,6 +43,33 @@ impl ErrorEvaluator {
         (far_vertex(&memory.columns[..n], measure.rows()).norm() * (1.0 - ROUNDING) - lost).max(0.0)
     }
 
+    /// Prepares the lower bounds of the worst case at a posture, as a function of the rotation of the
+    /// tool, and returns them.
+    ///
+    /// The spin bound of the evaluator must be [`super::spin_bound::SpinBound::WorstCase`].
+    pub(super) fn spun_worst_case<'m>(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &'m mut EvaluatorScratch,
+    ) -> &'m SpunWorstCase {
+        self.prepare_effects(context, frames, memory);
+        let measure = self.measure(&self.sense, context, frames);
+        let lost = self.lost_products(&measure, context, frames, memory).unwrap_or(f64::INFINITY);
+        let EvaluatorScratch { effects, columns, spun, .. } = memory;
+        let (axes, axis) = (self.chain.axes(), frames.tcp.rotation * self.chain.tool_axis);
+        let sources = || self.sources.list.iter().zip(&effects.columns);
+        let mut n = 0;
+        for (source, effect) in sources().filter(|(source, _)| !is_behind(source.parameter, axes)) {
+            columns[n] = measure.column(&(*effect * source.plus_minus));
+            n += 1;
+        }
+        let rotating = sources().filter(|(source, _)| is_behind(source.parameter, axes));
+        let rotating = rotating.map(|(s, effect)| rotating_parts(&(*effect * s.plus_minus), &axis, &measure));
+        spun.set(measure.rows(), &columns[..n], rotating, lost);
+        spun
+    }
+
     /// Returns a lower bound of the worst case by a nonlinear model at a posture. The function evaluates this
     /// model at a corner with a large linear error and at the opposite corner. The local search for the worst
     /// case starts at these two corners, too. The bound is the larger of the two errors.
@@ -58,10 +85,10 @@ impl ErrorEvaluator {
     }
 
     /// Returns a corner with a large linear error.
-    pub(super) fn far_corner(&self, columns: &[Vector6<f64>], rows: usize) -> Corner {
+    pub(super) fn far_corner(&self, columns: &[Vector6<f64>], rows: usize) -> ToleranceCorner {
         let sum = far_vertex(columns, rows);
         let bits = columns.iter().enumerate().map(|(k, c)| u128::from(c.dot(&sum) < 0.0) << k);
-        let corner = Corner { negative: bits.fold(0, |set, bit| set | bit) };
+        let corner = ToleranceCorner { negative: bits.fold(0, |set, bit| set | bit) };
         if self.is_reversed(corner) { corner.opposite(columns.len()) } else { corner }
     }
 

@@ -2,7 +2,7 @@
 //! largest.
 
 use super::MAX_SOURCES;
-use super::corner::Corner;
+use super::corner::ToleranceCorner;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use nalgebra::{Vector2, Vector3, Vector6};
 
@@ -18,7 +18,7 @@ pub struct WorstCase {
     /// the linear model, this value equals `linear`.
     pub by_model: f64,
     /// Corner of the tolerance box where the largest error was found.
-    pub corner: Corner,
+    pub corner: ToleranceCorner,
 }
 
 /// Returns the maximum of `|sum_k s_k g_k|` over all signs `s`, and writes the maximizing signs to `corner`.

@@ -1,6 +1,6 @@
 //! Corner of the tolerance box at which an operation has the largest error in a sense.
 
-use super::corner::Corner;
+use super::corner::ToleranceCorner;
 use super::corner_model::CornerModel;
 use super::corner_search::by_model;
 use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
@@ -45,7 +45,7 @@ impl ErrorEvaluator {
         if self.model == Model::Linear {
             let exact = linear.upper <= linear.value;
             let linear = linear.upper.max(linear.value);
-            let corner = Corner::of_signs(&corner[..n]);
+            let corner = ToleranceCorner::of_signs(&corner[..n]);
             return (WorstCase { linear, exact, by_model: linear, corner }, true);
         }
         let quadratic = self.quadratic(&memory.effects);
@@ -53,7 +53,8 @@ impl ErrorEvaluator {
         let (flips, walk) = (flips.as_deref_mut(), walk.as_deref_mut());
         let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips, walk);
         let columns = &columns[..n + of_mean];
-        let corners = [Corner::of_signs(&corner[..columns.len()]), self.far_corner(columns, measure.rows())];
+        let corners =
+            [ToleranceCorner::of_signs(&corner[..columns.len()]), self.far_corner(columns, measure.rows())];
         let largest = all.then_some(|| self.largest(effects, scratch));
         let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corners, &mut model, largest);
         worst.corner = self.of_sources(worst.corner);
@@ -63,7 +64,7 @@ impl ErrorEvaluator {
     /// Converts a corner of the local search to a corner of the sources. The local search treats the mean
     /// error as an additional source, which also has a sign. If this sign is -1, the function reverses all
     /// signs.
-    pub(super) fn of_sources(&self, corner: Corner) -> Corner {
+    pub(super) fn of_sources(&self, corner: ToleranceCorner) -> ToleranceCorner {
         let n = self.sources.list.len();
         if self.is_reversed(corner) { corner.opposite(n + 1) } else { corner }
     }
@@ -73,7 +74,7 @@ impl ErrorEvaluator {
     /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the
     /// search for the worst corner treats the mean as an additional source whose sign is free. This sign is
     /// stored after the signs of the sources.
-    pub(super) fn is_reversed(&self, corner: Corner) -> bool {
+    pub(super) fn is_reversed(&self, corner: ToleranceCorner) -> bool {
         self.mean.is_some() && corner.sign(self.sources.list.len()) < 0.0
     }
 
@@ -81,7 +82,7 @@ impl ErrorEvaluator {
     ///
     /// By the linear model, the TCP has the largest displacement at the first corner, and the largest
     /// rotation at the second corner.
-    fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [Corner; 2] {
+    fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [ToleranceCorner; 2] {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
@@ -92,7 +93,7 @@ impl ErrorEvaluator {
             let mut corner = [1.0; MAX_SOURCES];
             let n = self.sources.list.len();
             farthest(&columns[..n], 3, scratch, &mut corner[..n]);
-            Corner::of_signs(&corner[..n])
+            ToleranceCorner::of_signs(&corner[..n])
         })
     }
 
@@ -120,7 +121,7 @@ impl ErrorEvaluator {
         let mut corner = [0.0; MAX_SOURCES];
         let n = self.set_columns(measure, memory);
         let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
-        if self.is_reversed(Corner::of_signs(&corner[..n])) {
+        if self.is_reversed(ToleranceCorner::of_signs(&corner[..n])) {
             corner.iter_mut().for_each(|sign| *sign = -*sign);
         }
         (found, corner)
@@ -141,7 +142,7 @@ impl ErrorEvaluator {
     }
 
     /// Writes the values of the sources at a corner of the tolerance box.
-    pub fn corner(&self, corner: Corner, values: &mut [f64]) {
+    pub fn corner(&self, corner: ToleranceCorner, values: &mut [f64]) {
         for (k, (value, source)) in values.iter_mut().zip(&self.sources.list).enumerate() {
             *value = source.at(corner.sign(k));
         }
