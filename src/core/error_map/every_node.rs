@@ -132,8 +132,8 @@ impl PlacedLayout<'_> {
             }
         }
         query.setup.grid.targets(&query.at, |node, target| {
-            // Once a node has failed, the remaining nodes matter only if they cannot be reached.
             memory.postures.firsts.clear();
+            // Once a node has failed, the remaining nodes matter only if they cannot be reached.
             let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
             let judged = match is_judged {
                 true => query.judged_node(node, target, has_families, &mut memory),
@@ -181,7 +181,8 @@ impl OperationQuery<'_> {
         self.judge_collected(&target, has_families, memory)
     }
 
-    /// Collects the spin families of one node, and the candidates that belong to no family.
+    /// Collects the spin families of one node, and the candidates that belong to no family. The first members
+    /// of the families are added to [`PostureMemory::firsts`].
     ///
     /// # Errors
     /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.

@@ -52,9 +52,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const LAYOUTS_WORTH_A_FIELD: u64 = 4_000;
 /// Largest number of boxes of joint coordinates that are examined per operation and range of heights.
 const MAX_BOXES: usize = 300_000;
-/// FieldResolution of a field that needs many boxes.
+/// Resolution of a field that needs many boxes.
 const COARSE: FieldResolution = FieldResolution { longest: 0.05, looseness: 0.05 };
-/// FieldResolution of a field that needs few boxes.
+/// Resolution of a field that needs few boxes.
 const FINE: FieldResolution = FieldResolution { longest: 0.0125, looseness: 0.01 };
 /// Number of boxes up to which boxes are bisected to the resolution [`FINE`].
 const FINE_BOXES: usize = 4_000;
@@ -63,7 +63,7 @@ const CELL_SHARE: f64 = 0.5;
 /// Share by which the bounds of percentiles are lowered.
 const PERCENTILE_MARGIN: f64 = 2e-3;
 
-/// FieldResolution to which boxes of joint coordinates are bisected.
+/// Resolution to which boxes of joint coordinates are bisected.
 struct FieldResolution {
     /// Longest range of height or radius of a box that is not bisected, as a share of the reach of the arm.
     longest: f64,

@@ -39,6 +39,11 @@ impl ToleranceCorner {
         self.flipped(first(count))
     }
 
+    /// Returns the corner with only the first `count` columns.
+    pub fn of_first(self, count: usize) -> Self {
+        Self { negative: self.negative & first(count) }
+    }
+
     /// Returns the corner whose signs in the bit set `set` are those of `other`.
     pub fn with_signs_of(self, other: Self, set: u128) -> Self {
         Self { negative: self.negative & !set | other.negative & set }
@@ -46,6 +51,6 @@ impl ToleranceCorner {
 }
 
 /// Returns the bit set of the first `count` columns.
-pub fn first(count: usize) -> u128 {
+fn first(count: usize) -> u128 {
     u128::MAX.checked_shr(128 - count.min(128) as u32).unwrap_or(0)
 }

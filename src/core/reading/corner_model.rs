@@ -1,7 +1,7 @@
 //! Error by a nonlinear model at corners of the tolerance box, at one posture and in one sense.
 
 use super::MAX_SOURCES;
-use super::corner::{ToleranceCorner, first};
+use super::corner::ToleranceCorner;
 use super::evaluator::ErrorEvaluator;
 use super::flip_prediction::FlipPrediction;
 use super::pair_gains::PairGains;
@@ -67,7 +67,7 @@ impl<'a> CornerModel<'a> {
         let ErrorEvaluator { chain, sources, model, .. } = self.evaluator;
         let n = sources.list.len();
         if let Some(walk) = &mut self.walk {
-            let lower = self.evaluator.of_sources(corner).negative & first(n);
+            let lower = self.evaluator.of_sources(corner).negative;
             let position = walk.position_error(&self.frames.tcp.translation, lower);
             return self.of_position(position);
         }
@@ -86,10 +86,9 @@ impl<'a> CornerModel<'a> {
 
     /// Returns the size of the error at a corner, in less time than [`Self::error`].
     pub fn size(&mut self, corner: ToleranceCorner) -> f64 {
-        let n = self.evaluator.sources.list.len();
         match &mut self.walk {
             Some(walk) => {
-                let lower = self.evaluator.of_sources(corner).negative & first(n);
+                let lower = self.evaluator.of_sources(corner).negative;
                 let position = walk.position_error(&self.frames.tcp.translation, lower);
                 self.measure.size_of_position(&position)
             }

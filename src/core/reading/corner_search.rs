@@ -216,29 +216,22 @@ impl CornerSearch<'_, '_> {
     /// such flip increases the error, the search flips pairs of signs.
     fn polish(&mut self, start: SearchCorner) {
         let mut at = start;
-        if self.is_optimum(&at) {
-            return;
-        }
         self.model.stand_at(at.corner);
         for _ in 0..MAX_ROUNDS {
+            if self.is_optimum(&at) {
+                return;
+            }
             let before = at.error.size;
             for k in 0..self.columns.len() {
+                self.flip(&mut at, 1 << k);
                 // A column without parallel columns has no group to flip.
-                let group = (self.groups[k] != 0).then_some(1 << k | self.groups[k]);
-                for flipped in [Some(1 << k), group].into_iter().flatten() {
-                    if self.flip(&mut at, flipped) && self.is_optimum(&at) {
-                        return;
-                    }
+                if self.groups[k] != 0 {
+                    self.flip(&mut at, 1 << k | self.groups[k]);
                 }
             }
-            if at.error.size <= before {
-                if !self.flip_pair(&mut at) {
-                    self.note_optimum(&at);
-                    break;
-                }
-                if self.is_optimum(&at) {
-                    return;
-                }
+            if at.error.size <= before && !self.flip_pair(&mut at) {
+                self.note_optimum(&at);
+                break;
             }
         }
         if self.best.is_none_or(|(size, _)| at.error.size > size) {
@@ -251,6 +244,7 @@ impl CornerSearch<'_, '_> {
         self.optima[..self.known].contains(&at.corner)
     }
 
+    /// Remembers a corner at which no flip increases the error, unless the list is full.
     fn note_optimum(&mut self, at: &SearchCorner) {
         if let Some(free) = self.optima.get_mut(self.known) {
             *free = at.corner;
@@ -289,9 +283,7 @@ impl CornerSearch<'_, '_> {
         let is_larger = self.model.size(flipped) > at.error.size;
         if is_larger {
             *at = SearchCorner { error: self.model.error(flipped), corner: flipped, sum: at.sum + change };
-            if !self.is_optimum(at) {
-                self.model.stand_at(at.corner);
-            }
+            self.model.stand_at(at.corner);
         }
         is_larger
     }

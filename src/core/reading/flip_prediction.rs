@@ -85,6 +85,15 @@ impl PredictedFlip {
     };
 }
 
+/// Upper bounds of the sum of all products of two and more errors, measured along the rows of a sense, m or
+/// rad. The bounds hold at every corner of the tolerance box.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ProductBounds {
+    pub all: f64,
+    /// Bound of the products of three, five, seven and so on errors.
+    pub odd: f64,
+}
+
 /// Predictor of how a flip of the sign of one source changes the error at a corner of the tolerance box.
 #[derive(Debug, Clone)]
 pub struct FlipPrediction {
@@ -190,24 +199,18 @@ impl FlipPrediction {
         self.rotations <= MAX_ROTATION
     }
 
-    /// Returns an upper bound of the sum of all products of two and more errors. The sum is measured along
-    /// the rows of the sense, and the bound holds at every corner.
+    /// Returns upper bounds of the products of errors. Call [`Self::set_posture`] first.
     ///
     /// Products of order k are at most `D A^(k-1) / (k-1)!`. For products of two errors, the sum over all
-    /// pairs of motions is a sharper bound. Call [`Self::set_posture`] first.
-    pub fn largest_products(&self) -> f64 {
-        let turned = self.rotations.exp_m1();
-        let of_position = self.pairs + self.displacements * (turned - self.rotations);
-        self.weights[0] * of_position + self.weights[1] * self.rotations * turned
-    }
-
-    /// Returns an upper bound of the sum of all products of three, five, seven and so on errors. The sum is
-    /// measured along the rows of the sense, and the bound holds at every corner.
-    ///
-    /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
-    pub fn largest_odd_products(&self) -> f64 {
-        let turned = self.rotations.cosh() - 1.0;
-        self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
+    /// pairs of motions is a sharper bound.
+    pub fn products(&self) -> ProductBounds {
+        let [by_position, by_rotation] = [self.weights[0], self.weights[1] * self.rotations];
+        let (all, odd) = (self.rotations.exp_m1(), self.rotations.cosh() - 1.0);
+        let of_position = self.pairs + self.displacements * (all - self.rotations);
+        ProductBounds {
+            all: by_position * of_position + by_rotation * all,
+            odd: by_position * self.displacements * odd + by_rotation * odd,
+        }
     }
 
     /// Sets the corner.

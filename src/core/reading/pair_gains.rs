@@ -47,8 +47,8 @@ pub struct PairGains {
 
 impl PairGains {
     /// Prepares the bounds at a corner with the error `error` along the rows of a sense. `weights` is the
-    /// result of [`super::SenseRows::weights`]. A sign without a prediction in `flips`
-    /// may always increase the error.
+    /// result of [`super::SenseRows::weights`]. A sign without a prediction in `flips` may always
+    /// increase the error.
     pub fn new(flips: &[PredictedFlip], weights: [f64; 2], error: &Vector6<f64>) -> Self {
         let size = error.norm();
         let unknown = FlipGain { alone: f64::INFINITY, ..FlipGain::default() };

@@ -54,7 +54,7 @@ impl ErrorEvaluator {
     ) -> Option<f64> {
         let linear = self.linear_worst(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
-        let products = self.largest_products(&measure, context, frames, memory)?;
+        let products = self.products(&measure, context, frames, memory)?.all;
         Some((linear + products) * (1.0 + ROUNDING))
     }
 }

@@ -11,7 +11,7 @@ use super::corner::ToleranceCorner;
 use super::corner_model::CornerModel;
 use super::corner_search::both;
 use super::error_sources::is_behind;
-use super::flip_prediction::FlipPrediction;
+use super::flip_prediction::ProductBounds;
 use super::spin_bound::rotating_parts;
 use super::spun_worst_case::{ROUNDING, SpunWorstCase};
 use super::work_context::WorkContext;
@@ -114,54 +114,37 @@ impl ErrorEvaluator {
         (found.by_model, is_complete)
     }
 
-    /// Returns an upper bound of the products of two and more errors at any corner; None if no bound is
-    /// known.
-    pub(super) fn largest_products(
-        &self,
-        measure: &SenseRows,
-        context: &WorkContext,
-        frames: &Frames,
-        memory: &mut EvaluatorScratch,
-    ) -> Option<f64> {
-        self.products(measure, context, frames, memory, FlipPrediction::largest_products)
-    }
-
     /// Returns an upper bound of the amount by which products of errors can make the worst case smaller than
     /// the linear worst case. Returns None if no bound is known.
-    pub(super) fn lost_products(
+    fn lost_products(
         &self,
         measure: &SenseRows,
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> Option<f64> {
+        let products = self.products(measure, context, frames, memory)?;
         // With means, the search starts at one corner of the tolerance box. With more than three rows, the
         // corner may not be the worst by the linear model.
         let is_even_lost = self.mean.is_some() || measure.rows() > 3;
-        let bound = if is_even_lost {
-            FlipPrediction::largest_products
-        } else {
-            FlipPrediction::largest_odd_products
-        };
-        self.products(measure, context, frames, memory, bound)
+        Some(if is_even_lost { products.all } else { products.odd })
     }
 
-    /// Returns a bound of products of errors from the predictor of sign flips; None without a predictor, and
-    /// if the errors are too large. The bound is 0 for the linear model.
-    fn products(
+    /// Returns upper bounds of the products of errors; None if no bounds are known. The bounds are 0 for the
+    /// linear model.
+    pub(super) fn products(
         &self,
         measure: &SenseRows,
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
-        bound: fn(&FlipPrediction) -> f64,
-    ) -> Option<f64> {
+    ) -> Option<ProductBounds> {
         if self.model == Model::Linear {
-            return Some(0.0);
+            return Some(ProductBounds::default());
         }
         let EvaluatorScratch { expansion, flips, .. } = memory;
         let flips = flips.as_mut()?;
         let (work, tip) = (&context.site.work, &frames.tcp.translation);
-        flips.set_posture(&self.sources, expansion, measure, work, tip).then(|| bound(flips))
+        flips.set_posture(&self.sources, expansion, measure, work, tip).then(|| flips.products())
     }
 }

@@ -66,7 +66,7 @@ impl ErrorEvaluator {
     /// signs.
     pub(super) fn of_sources(&self, corner: ToleranceCorner) -> ToleranceCorner {
         let n = self.sources.list.len();
-        if self.is_reversed(corner) { corner.opposite(n + 1) } else { corner }
+        if self.is_reversed(corner) { corner.opposite(n) } else { corner }.of_first(n)
     }
 
     /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.

@@ -25,6 +25,23 @@ pub fn gauge_of(cell: &Cell) -> ErrorEvaluator {
     ErrorEvaluator::new(cell, &cell.operations[0])
 }
 
+/// Returns a sample with errors of every rigid parameter of a robot. `turned` is the largest error of an
+/// angle, rad. Lengths are wrong by less than 0.3 mm, and frames are displaced by 0.2 mm along each axis.
+pub fn random_errors(rng: &mut ChaCha8Rng, axes: usize, turned: f64) -> ErrorSet {
+    let value = |p: Parameter| match p {
+        _ if p.is_elastic() => 0.0,
+        Parameter::Dl(_) | Parameter::Dr(_) => rng.random_range(0.0..3e-4),
+        Parameter::Tool(component) | Parameter::Base(component) | Parameter::Joint(_, component)
+            if component < 3 =>
+        {
+            2e-4
+        }
+        _ => rng.random_range(0.0..turned),
+    };
+    let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+    ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values))
+}
+
 /// Returns a work context without a taught frame and without a pick.
 pub fn alone() -> WorkContext {
     WorkContext {

@@ -1,29 +1,12 @@
 //! Tests lower bounds of the value at a posture against the value.
 
 use crate::common::{cases, shipped};
-use crate::readings::bench::{alone, cell_of, gauge_of, random_robot};
+use crate::readings::bench::{alone, cell_of, gauge_of, random_errors, random_robot};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
-use sweetspot::cell::{ErrorSet, Model, Parameter, Quantity, Reading, Robot, Sense, SignedErrors};
+use sweetspot::cell::{Model, Quantity, Reading, Sense};
 use sweetspot::robot::Chain;
-
-/// Returns errors of every rigid parameter of a robot. `turned` is the largest error of an angle, rad.
-fn errors(rng: &mut ChaCha8Rng, robot: &Robot, turned: f64) -> ErrorSet {
-    let axes = robot.axes();
-    let value = |p: Parameter| match p {
-        _ if p.is_elastic() => 0.0,
-        Parameter::Dl(_) | Parameter::Dr(_) => rng.random_range(0.0..3e-4),
-        Parameter::Tool(component) | Parameter::Base(component) | Parameter::Joint(_, component)
-            if component < 3 =>
-        {
-            rng.random_range(0.0..2e-4)
-        }
-        _ => rng.random_range(0.0..turned),
-    };
-    let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
-    ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values))
-}
 
 /// Every bound of a worst case holds for random robots, tolerances of every rigid parameter, senses and
 /// models. With small rotations, the quick bound is near the worst case.
@@ -35,7 +18,7 @@ fn the_bounds_of_a_worst_case_are_not_above_it() {
         let axes = rng.random_range(3..=7);
         let robot = random_robot(&mut rng, axes);
         let turned = 10f64.powf(rng.random_range(-5.0..-1.0));
-        let set = errors(&mut rng, &robot, turned).tolerance();
+        let set = random_errors(&mut rng, robot.axes(), turned).tolerance();
         let mut cell = cell_of(robot, set, Sense::plain(["xyz", "xy", "z"][k / 3 % 3]).unwrap());
         cell.reading = Reading::WorstCase;
         cell.model = [Model::Nonlinear, Model::Linear, Model::SecondOrder][k % 3];
@@ -67,7 +50,7 @@ fn the_bounds_over_spins_hold_after_every_rotation_of_the_tool() {
     let (mut compared, mut close) = (0, 0);
     for k in 0..cases(24, 240) {
         let turned = 10f64.powf(rng.random_range(-5.0..-2.0));
-        let set = errors(&mut rng, &robot, turned).tolerance();
+        let set = random_errors(&mut rng, robot.axes(), turned).tolerance();
         let sense = Sense::plain(["xyz", "xy", "z"][k / 3 % 3]).unwrap();
         let mut cell = cell_of(robot.clone(), set, sense);
         cell.reading = [Reading::WorstCase, Reading::Statistical][k % 2];

@@ -1,10 +1,10 @@
 //! Tests upper bounds of the value at a posture against the value.
 
 use crate::common::cases;
-use crate::readings::bench::{alone, cell_of, gauge_of, random_robot};
+use crate::readings::bench::{alone, cell_of, gauge_of, random_errors, random_robot};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sweetspot::cell::{ErrorSet, Model, Parameter, Quantity, Reading, Sense, SignedErrors};
+use sweetspot::cell::{Model, Quantity, Reading, Sense};
 use sweetspot::robot::Chain;
 
 /// The bound holds for random robots, errors of every rigid parameter, quantities, senses and models. Large
@@ -17,20 +17,9 @@ fn the_upper_bound_of_a_value_is_not_below_the_value() {
         let axes = rng.random_range(3..=7);
         let robot = random_robot(&mut rng, axes);
         let turned = 10f64.powf(rng.random_range(-5.0..-1.0));
-        let value = |p: Parameter| match p {
-            _ if p.is_elastic() => 0.0,
-            Parameter::Dl(_) | Parameter::Dr(_) => rng.random_range(0.0..3e-4),
-            Parameter::Tool(component) | Parameter::Base(component) | Parameter::Joint(_, component)
-                if component < 3 =>
-            {
-                2e-4
-            }
-            _ => rng.random_range(0.0..turned),
-        };
-        let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
-        let sample = SignedErrors::of_values("drawn".into(), axes, &values);
+        let tolerance = random_errors(&mut rng, axes, turned).tolerance();
         let sense = Sense::plain(["xyz", "xy", "z"][k % 3]).unwrap();
-        let mut cell = cell_of(robot, ErrorSet::Signed(sample).tolerance(), sense);
+        let mut cell = cell_of(robot, tolerance, sense);
         cell.reading = if k % 5 == 0 { Reading::WorstCase } else { Reading::Statistical };
         cell.model = [Model::Nonlinear, Model::Linear, Model::SecondOrder][k % 3];
         cell.quantity = [Quantity::P95, Quantity::P99, Quantity::Rms, Quantity::Mean][k % 4];
