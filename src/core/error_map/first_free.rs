@@ -80,6 +80,10 @@ impl OperationQuery<'_> {
         while let Some(candidate) = next(memory) {
             let PostureCandidate { spot, target, .. } = candidate;
             found.nearest.get_or_insert(candidate);
+            if self.placed.mapper.scene.base_hit(&self.placed.solids).is_some() {
+                // The base has a contact, so no posture is collision-free.
+                break;
+            }
             if !self.is_free(&candidate, memory) {
                 continue;
             }

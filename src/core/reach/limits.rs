@@ -45,6 +45,8 @@ pub(super) struct ActuatorRange {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limits {
     pub(super) ranges: Vec<ActuatorRange>,
+    /// Number of joints up to the last joint that has a limit.
+    limited: usize,
     coupling: Vec<Vec<f64>>,
     /// Coupling factors that are not 0, as (index of the driven joint, index of the driving joint, factor).
     ///
@@ -83,7 +85,9 @@ impl Limits {
             |&(i, j, f): &(usize, usize, f64)| turning(i) && turning(j) && f.fract() == 0.0 && f.abs() <= 8.0;
         let whole = used.iter().all(is_whole);
         let whole = whole.then(|| used.iter().map(|&(i, j, f)| (i, j, f as i32)).collect());
-        Ok(Self { ranges: chain.links.iter().map(range).collect(), coupling: chain.coupling.clone(), whole })
+        let ranges: Vec<ActuatorRange> = chain.links.iter().map(range).collect();
+        let limited = ranges.iter().rposition(|range| range.cos_half > -2.0).map_or(0, |last| last + 1);
+        Ok(Self { ranges, limited, coupling: chain.coupling.clone(), whole })
     }
 
     /// Returns a measure of how far a posture exceeds its joint limits; 0 within the limits.
@@ -134,7 +138,7 @@ impl Limits {
     }
 
     /// Calls `found` with each of the first `joints` joints, its excess, and whether its coordinate is above
-    /// the middle of its range.
+    /// the middle of its range. Joints after the last joint with a limit are left out.
     #[inline]
     fn each_excess(
         &self,
@@ -144,7 +148,7 @@ impl Limits {
         mut found: impl FnMut(usize, f64, bool),
     ) {
         let mut actuators = [(1.0, 0.0); MAX_JOINTS];
-        for (i, range) in self.ranges[..joints].iter().enumerate() {
+        for (i, range) in self.ranges[..joints.min(self.limited)].iter().enumerate() {
             if range.kind == JointKind::Prismatic {
                 let q = posture.r[i] - range.r;
                 found(i, range.missed(q), q > range.centre);
