@@ -1,6 +1,7 @@
 //! Tests value fields against the values of single nodes, which the search finds without any bound.
 
 use crate::common::{cases, shipped};
+use crate::readings::bench::alone;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::atomic::AtomicBool;
@@ -30,9 +31,10 @@ struct Unreachable {
     all: usize,
 }
 
-/// Compares the fields of a cell with the values of one node per operation in random layouts. Returns the
-/// ratios of bound to value, in percent.
-fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unreachable) -> Vec<f64> {
+/// Compares the fields of a cell with the values of one node per operation in random layouts. Also compares
+/// the bound of every configuration with the values of its postures. Returns the ratios of bound to value of
+/// the nodes, and those of the postures, in percent.
+fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unreachable) -> [Vec<f64>; 2] {
     (cell.collision, cell.search.ideal) = (false, true);
     for operation in &mut cell.operations {
         operation.place = Place::Points(vec![(0.05, -0.02)]);
@@ -42,7 +44,8 @@ fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unr
     let stop = AtomicBool::new(false);
     let fields: Vec<_> =
         (0..cell.operations.len()).map(|k| value_fields(&workcell, k, &stop).unwrap()).collect();
-    let mut ratios = Vec::new();
+    let (inverse, context) = (workcell.inverse(), alone());
+    let mut ratios = [Vec::new(), Vec::new()];
     for _ in 0..layouts {
         let point: Vec<f64> = (0..space.dimensions()).map(|_| rng.random()).collect();
         let layout = space.layout(&point);
@@ -53,10 +56,20 @@ fn ratios(mut cell: Cell, layouts: usize, rng: &mut ChaCha8Rng, missed: &mut Unr
             let field =
                 fields[k].iter().find(|field| field.covers(target.z, layout.attitudes[k].elevation)).unwrap();
             let bound = field.bound(&target);
+            let bounds = field.posture_bounds(&target).unwrap();
+            let evaluator = workcell.evaluator(k);
+            let mut memory = evaluator.memory();
+            let attitudes = inverse.tool_attitudes(&layout.attitudes[k], at.yaw);
+            inverse.visit(&target, &attitudes, &mut inverse.scratch(), |branch, posture| {
+                let value = evaluator.value(&context, &inverse.chain().frames(posture), &mut memory);
+                let of_posture = bounds.of(posture);
+                assert!(bound <= of_posture && of_posture <= value, "{branch}: {of_posture} > {value}");
+                ratios[1].push(100.0 * of_posture / value);
+            });
             match outcomes[k] {
                 Outcome::Found(spot) => {
                     assert!(bound <= spot.value, "{}: {bound} > {} at {target}", operation.name, spot.value);
-                    ratios.push(100.0 * bound / spot.value);
+                    ratios[0].push(100.0 * bound / spot.value);
                 }
                 Outcome::Unreachable { .. } => {
                     missed.all += 1;
@@ -86,10 +99,15 @@ fn value_fields_bound_the_values_of_random_nodes() {
                 operation.attitude.spin =
                     if variant == 2 { Spin::Free } else { operation.attitude.spin.clone() };
             }
-            let mut ratios = ratios(cell, cases(80, 400), &mut rng, &mut missed);
-            ratios.sort_by(f64::total_cmp);
-            let median = ratios[ratios.len() / 2];
-            assert!(ratios.len() > 30 && median >= least, "{name} {variant}: {median} of {}", ratios.len());
+            for mut ratios in ratios(cell, cases(80, 400), &mut rng, &mut missed) {
+                ratios.sort_by(f64::total_cmp);
+                let median = ratios[ratios.len() / 2];
+                assert!(
+                    ratios.len() > 30 && median >= least,
+                    "{name} {variant}: {median} of {}",
+                    ratios.len()
+                );
+            }
         }
     }
     assert!(missed.all > 100 && missed.excluded * 10 > missed.all * 8, "{} {}", missed.excluded, missed.all);

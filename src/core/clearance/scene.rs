@@ -163,17 +163,11 @@ impl Scene {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit.is_none();
         }
-        let poses = LinkPoses { frames, base: placed.base.as_ref() };
-        let ContactMemory { suspect, capsules } = memory;
-        if let Some((k, body)) = *suspect
-            && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
-            && link.is_there(operation)
-            && part.has(link.frame, self.last)
-            && link.may_touch != Some(body.id.0)
-            && self.touches(link, &poses.capsule(link), poses, body)
-        {
+        if self.touches_again(part, placed, frames, operation, memory) {
             return false;
         }
+        let poses = LinkPoses { frames, base: placed.base.as_ref() };
+        let ContactMemory { suspect, capsules } = memory;
         capsules.clear();
         capsules.extend(self.links.iter().map(|l| poses.capsule(l)));
         let outside = self.outside_hit(part, &placed.bodies, poses, capsules, operation);
@@ -181,6 +175,31 @@ impl Scene {
             *suspect = Some((k, body));
         }
         outside.is_none() && self.own_hit(part, frames, capsules, operation).is_none()
+    }
+
+    /// Returns whether the given part of the arm has the contact that was found last. The base of the robot
+    /// counts as a part of the arm.
+    ///
+    /// This check is much faster than [`Self::is_part_free`]. Neighbouring postures often have the same
+    /// contact.
+    pub fn touches_again(
+        &self,
+        part: ArmPart,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        operation: Option<usize>,
+        memory: &ContactMemory,
+    ) -> bool {
+        if !self.enabled || placed.base_hit.is_some() {
+            return placed.base_hit.is_some();
+        }
+        let poses = LinkPoses { frames, base: placed.base.as_ref() };
+        let Some((k, body)) = memory.suspect else { return false };
+        let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body)) else { return false };
+        link.is_there(operation)
+            && part.has(link.frame, self.last)
+            && link.may_touch != Some(body.id.0)
+            && self.touches(link, &poses.capsule(link), poses, body)
     }
 
     /// Returns the first moving robot solid that touches equipment, fence or floor.

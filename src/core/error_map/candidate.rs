@@ -46,6 +46,13 @@ pub enum ArmContact {
     OnlyBehindLastJoint,
 }
 
+impl ArmContact {
+    /// Returns whether the posture may be collision-free.
+    pub fn may_be_free(self) -> bool {
+        self != Self::BeforeLastJoint
+    }
+}
+
 impl PartialEq for PostureCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal

@@ -198,7 +198,7 @@ impl OperationQuery<'_> {
         families.clear();
         let missed = if has_families {
             let mut others = NodeCandidates::<false> { candidates, missed: None };
-            self.visit_families(node, target, postures, families, &mut others);
+            self.visit_families(node, target, None, postures, families, &mut others);
             others.missed
         } else {
             let mut all = NodeCandidates::<true> { candidates, missed: None };
@@ -225,7 +225,7 @@ impl OperationQuery<'_> {
         let found = match has_families {
             true => {
                 let waiting = BinaryHeap::from(std::mem::take(*families));
-                let mut queue = FamilyQueue { families: waiting, judged: heap, is_nearest_known: false };
+                let mut queue = FamilyQueue { field: None, families: waiting, judged: heap, last: None };
                 let found = self.first_free_of_families(&mut queue, &mut no_others, postures);
                 (**families, heap) = (queue.families.into_vec(), queue.judged);
                 found

@@ -2,6 +2,7 @@
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;
+use super::value_field::ValueField;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -17,18 +18,31 @@ pub struct SpinFamily {
     pub branch: u64,
     /// Index of the first member in [`super::workspace::PostureMemory::firsts`].
     pub first: usize,
-    /// Known contacts of a single member, and the kind of its bound; None for a whole family.
-    pub member: Option<(ArmContact, Certainty)>,
+    /// Known contacts of the solids before the last joint.
+    pub contact: ArmContact,
+    pub stage: FamilyStage,
     /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
+}
+
+/// What an entry of the queue stands for, and where its bound comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FamilyStage {
+    /// A whole family, with the bound of its configuration in the value field.
+    Tabulated,
+    /// A whole family, with a bound computed at its posture.
+    Bounded,
+    /// A single member, with a bound of this kind.
+    Member(Certainty),
 }
 
 impl SpinFamily {
     /// Returns a single member as a candidate, whose value is the bound; None for a whole family.
     pub fn as_candidate(&self) -> Option<PostureCandidate> {
-        let (contact, certainty) = self.member?;
+        let FamilyStage::Member(certainty) = self.stage else { return None };
         let spot = Spot { node: self.node, branch: self.branch, value: self.bound };
-        Some(PostureCandidate { spot, target: self.target, contact, certainty, first: Some(self.first) })
+        let Self { target, contact, .. } = *self;
+        Some(PostureCandidate { spot, target, contact, certainty, first: Some(self.first) })
     }
 }
 
@@ -51,14 +65,21 @@ impl Ord for SpinFamily {
 }
 
 /// Queue of spin families and single members with lower bounds, and queue of judged postures with values.
-pub struct FamilyQueue {
+pub struct FamilyQueue<'f> {
+    /// Value field that bounds the values of the nodes; None if every family was bounded at its posture.
+    pub field: Option<&'f ValueField>,
     pub families: BinaryHeap<SpinFamily>,
     pub judged: BinaryHeap<PostureCandidate>,
-    /// Whether the posture with the least value, usable or not, was found.
-    pub is_nearest_known: bool,
+    /// The judged posture that was removed last.
+    pub last: Option<PostureCandidate>,
 }
 
-impl FamilyQueue {
+impl FamilyQueue<'_> {
+    /// Returns whether the posture with the least value, usable or not, was found.
+    pub fn is_nearest_known(&self) -> bool {
+        self.last.is_some()
+    }
+
     /// Returns the least bound of the families and the best judged posture; infinite without both.
     pub fn least(&self) -> f64 {
         let family = self.families.peek().map_or(f64::INFINITY, |family| family.bound);

@@ -8,6 +8,7 @@ use super::first_free::FirstFree;
 use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
+use super::value_field::ValueField;
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::{Gap, ToolAttitudes};
@@ -120,7 +121,7 @@ impl OperationQuery<'_> {
     fn by_value_field(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let WalkMemory { candidates, ranking, postures, .. } = memory;
         let lacks_families = self.placed.mapper.lacks_families(self.operation, &self.attitudes);
-        if lacks_families.is_none() || self.context.is_err() || !self.rank_by_field(ranking) {
+        if lacks_families.is_none() || self.context.is_err() || self.rank_by_field(ranking).is_none() {
             return None;
         }
         candidates.clear();
@@ -130,18 +131,17 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Ranks the nodes by the value field of the operation. If no field covers the height of the nodes and
-    /// the elevation of the tool, the function removes all nodes from `ranking` and returns false.
-    pub(super) fn rank_by_field(&self, ranking: &mut NodeRanking) -> bool {
+    /// Ranks the nodes by the value field of the operation, and returns this field. If no field covers the
+    /// height of the nodes and the elevation of the tool, the function removes all nodes from `ranking`.
+    pub(super) fn rank_by_field(&self, ranking: &mut NodeRanking) -> Option<&ValueField> {
         let (grid, mapper) = (&self.setup.grid, self.placed.mapper);
         ranking.clear();
         let elevation = self.placed.layout.attitudes[self.operation].elevation;
-        let field = mapper.value_field(self.operation, self.at.z + grid.standoff(), elevation);
-        let Some(field) = field else { return false };
+        let field = mapper.value_field(self.operation, self.at.z + grid.standoff(), elevation)?;
         ranking.set(grid.count(), |bounds| {
             grid.targets(&self.at, |node, target| bounds[node] = field.bound(&target));
         });
-        true
+        Some(field)
     }
 
     /// Checks candidates in ascending order of their values or bounds, until a candidate can be used. A bound

@@ -17,6 +17,7 @@
 
 mod candidate;
 mod certify;
+mod configuration;
 mod demand;
 mod every_node;
 mod extrapolation;
@@ -49,6 +50,7 @@ mod work_context;
 mod workspace;
 mod worst_node;
 
+pub use configuration::{ConfigurationFlag, ConfigurationFlags, MAX_FLAGS};
 pub use demand::Demand;
 pub use extrapolation::{Extrapolation, contains_joint};
 pub use grid::Grid;
@@ -60,5 +62,5 @@ pub use outcome::{Outcome, Spot, Unjudged};
 pub use placed_layout::PlacedLayout;
 pub use posture_order::PostureOrder;
 pub use probe::Probe;
-pub use value_field::ValueField;
+pub use value_field::{PostureBounds, ValueField};
 pub use workspace::{MapperWorkspace, WalkCounts};

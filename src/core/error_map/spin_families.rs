@@ -7,12 +7,14 @@
 //! judging every posture.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
-use super::family_queue::{FamilyQueue, SpinFamily};
+use super::family_queue::{FamilyQueue, FamilyStage, SpinFamily};
 use super::first_free::FirstFree;
 use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot};
+use super::value_field::ValueField;
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{PostureMemory, WalkMemory};
+use crate::cell::Reading;
 use crate::clearance::ArmPart;
 use crate::reach::FamilyReach;
 use nalgebra::Vector3;
@@ -32,15 +34,17 @@ impl OperationQuery<'_> {
         candidates.clear();
         families.clear();
         postures.firsts.clear();
-        if !self.rank_by_field(ranking) {
+        let field = self.rank_by_field(ranking);
+        if field.is_none() {
             self.setup.grid.targets(&self.at, |node, target| {
-                self.visit_families(node, target, postures, families, *candidates);
+                self.visit_families(node, target, None, postures, families, *candidates);
             });
         }
         let mut queue = FamilyQueue {
+            field,
             families: BinaryHeap::from(std::mem::take(*families)),
             judged: BinaryHeap::from(std::mem::take(*candidates)),
-            is_nearest_known: false,
+            last: None,
         };
         let found = self.first_free_of_families(&mut queue, ranking, postures);
         (**families, **candidates) = (queue.families.into_vec(), queue.judged.into_vec());
@@ -51,17 +55,26 @@ impl OperationQuery<'_> {
     /// used. A node in `ranking` is visited when its bound does not exceed the least bound in the queue.
     pub(super) fn first_free_of_families(
         &self,
-        queue: &mut FamilyQueue,
+        queue: &mut FamilyQueue<'_>,
         ranking: &mut NodeRanking,
         postures: &mut PostureMemory,
     ) -> FirstFree {
+        let has_one_value = self.has_one_value_per_family();
         self.first_free(postures, |memory| {
+            if let Some(last) = queue.last.filter(|last| has_one_value && last.contact.may_be_free()) {
+                self.add_next_member(&last, queue, memory);
+            }
             loop {
                 let ranked = if ranking.bound() <= queue.least() { ranking.pop() } else { None };
                 if let Some(node) = ranked {
                     let (target, mut found) = (self.node_target(node), std::mem::take(&mut memory.opened));
-                    self.visit_families(node, target, memory, &mut found, &mut queue.judged);
-                    queue.families.extend(found.drain(..));
+                    self.visit_families(node, target, queue.field, memory, &mut found, &mut queue.judged);
+                    // The family with the least bound comes first. The others then often join the queue.
+                    let least = (0..found.len()).min_by(|a, b| found[*a].bound.total_cmp(&found[*b].bound));
+                    if let Some(least) = least {
+                        found.swap(0, least);
+                    }
+                    found.drain(..).for_each(|family| self.enqueue(family, queue, memory));
                     memory.opened = found;
                 } else if let Some(family) = queue.next_family() {
                     self.open(&family, queue, memory);
@@ -70,16 +83,20 @@ impl OperationQuery<'_> {
                 }
             }
             let next = queue.judged.pop();
-            queue.is_nearest_known = queue.is_nearest_known || next.is_some();
+            queue.last = next.or(queue.last);
             next
         })
     }
 
     /// Collects the spin families of one node, and the candidates that belong to no family.
+    ///
+    /// A family gets the bound of its configuration in `field`. Without a field, the bound is computed at the
+    /// posture, which takes longer.
     pub(super) fn visit_families<V: PostureVisitor>(
         &self,
         node: usize,
         target: Vector3<f64>,
+        field: Option<&ValueField>,
         memory: &mut PostureMemory,
         families: &mut Vec<SpinFamily>,
         others: &mut V,
@@ -91,11 +108,19 @@ impl OperationQuery<'_> {
         let PostureMemory { scratch, frames, posture, firsts, counts, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
         let spins = self.attitudes.spin_rotations();
+        let bounds = field.and_then(|field| field.posture_bounds(&target));
         let reach = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
-            counts.postures += 1;
-            arm.chain.place(posture, frames);
-            let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
-            families.push(SpinFamily { bound, node, branch, first: firsts.len(), member: None, target });
+            let (bound, stage) = match &bounds {
+                Some(bounds) => (bounds.of(posture), FamilyStage::Tabulated),
+                None => {
+                    counts.postures += 1;
+                    arm.chain.place(posture, frames);
+                    let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
+                    (bound, FamilyStage::Bounded)
+                }
+            };
+            let (first, contact) = (firsts.len(), ArmContact::Unknown);
+            families.push(SpinFamily { bound, node, branch, first, contact, stage, target });
             firsts.push(*posture);
         });
         if let FamilyReach::OnlyBetweenSamples { .. } = reach {
@@ -107,88 +132,180 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: computes a lower bound for each member. If values take little computing time, the
-    /// function computes them instead. A single member is judged, or its bound is sharpened.
+    /// Opens an entry at once if its bound is at most the least bound in the queue. Otherwise, the entry joins
+    /// the queue.
+    fn enqueue(&self, entry: SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
+        match entry.bound <= queue.least() {
+            true => self.open(&entry, queue, memory),
+            false => queue.families.push(entry),
+        }
+    }
+
+    /// Opens an entry of the queue: it is replaced by entries with sharper bounds, or by judged postures.
+    fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
+        match family.stage {
+            FamilyStage::Tabulated => self.open_tabulated(family, queue, memory),
+            FamilyStage::Bounded => self.open_bounded(family, queue, memory),
+            FamilyStage::Member(certainty) => self.open_member(certainty, family, queue, memory),
+        }
+    }
+
+    /// Computes the bound of a family whose bound comes from the value field.
     ///
-    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member cannot be
-    /// the spot. The search does not need it as the first candidate ([`FirstFree::nearest`]) either, because
-    /// that candidate is already known.
-    fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
+    /// If the nearest candidate is known, a family whose arm collides is left out. None of its members can
+    /// be the spot. The search does not need them as the first candidate ([`FirstFree::nearest`]) either,
+    /// because that candidate is already known.
+    fn open_tabulated(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
-        let SpinFamily { node, branch, first, target, .. } = *family;
-        if let Some(member) = family.as_candidate().filter(|_| queue.is_nearest_known) {
-            // A posture that collides needs no value. Computing a value takes much longer than checking for
-            // collisions.
-            let is_dear = matches!(member.certainty, Certainty::Bound | Certainty::SharpBound);
-            if is_dear && !self.is_free(&member, memory) {
-                return;
-            }
-        }
-        let PostureMemory { scratch, frames, posture, contacts, firsts, counts, .. } = memory;
-        let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
-        let judged = |spot, contact| PostureCandidate {
-            spot,
-            target,
-            contact,
-            certainty: Certainty::Value,
-            first: Some(first),
-        };
-        let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
-        if let Some((contact, certainty)) = family.member {
-            if is_useless(contact) {
-                return;
-            }
-            let Some(posture) = inverse.member(&target, &self.attitudes, branch, &firsts[first]) else {
-                return;
+        let PostureMemory { scratch, frames, contacts, firsts, counts, .. } = memory;
+        mapper.arm.chain.place(&firsts[family.first], frames);
+        let mut contact = family.contact;
+        if queue.is_nearest_known() {
+            counts.contacts += 1;
+            let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
+            let (links, operation) = (&frames.links, Some(self.operation));
+            // The error of a signed sample takes less computing time than the check of the whole arm.
+            let is_free = match evaluator.reading {
+                Reading::Signed => !mapper.scene.touches_again(part, solids, links, operation, contacts),
+                _ => {
+                    contact = ArmContact::OnlyBehindLastJoint;
+                    mapper.scene.is_part_free(part, solids, links, operation, contacts)
+                }
             };
-            counts.postures += 1;
-            chain.place(&posture, frames);
-            let (value, certainty) = self.setup.sharpened(certainty, context, frames, scratch);
-            if certainty == Certainty::Value {
-                queue.judged.push(judged(Spot { node, branch, value }, contact));
-            } else {
-                let member = Some((contact, certainty));
-                queue.families.push(SpinFamily { bound: value.max(family.bound), member, ..*family });
+            if !is_free {
+                return;
             }
-            return;
         }
-        // The members differ in the last joint alone.
-        counts.contacts += 1;
+        counts.postures += 1;
+        let spins = self.attitudes.spin_rotations();
+        let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
+        let (bound, stage) = (bound.max(family.bound), FamilyStage::Bounded);
+        queue.families.push(SpinFamily { bound, contact, stage, ..*family });
+    }
+
+    /// Computes a lower bound for each member of a family. If values take little computing time, the function
+    /// computes them instead.
+    ///
+    /// If the nearest candidate is known, a family whose arm collides is left out.
+    fn open_bounded(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
+        let Ok(context) = &self.context else { return };
+        let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
+        let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
+        let SpinFamily { node, branch, first, target, .. } = *family;
+        let PostureMemory { scratch, frames, posture, contacts, firsts, counts, .. } = memory;
         chain.place(&firsts[first], frames);
-        let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
-        let contact =
-            match mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts) {
+        let mut contact = family.contact;
+        if contact == ArmContact::Unknown {
+            // The members differ in the last joint alone.
+            counts.contacts += 1;
+            let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
+            let (links, operation) = (&frames.links, Some(self.operation));
+            contact = match mapper.scene.is_part_free(part, solids, links, operation, contacts) {
                 true => ArmContact::OnlyBehindLastJoint,
                 false => ArmContact::BeforeLastJoint,
             };
-        if is_useless(contact) {
+        }
+        if is_useless(contact, queue) {
             return;
         }
-        let (begin, family) = (&firsts[first], (branch, &firsts[first]));
+        let (begin, of_family) = (&firsts[first], (branch, &firsts[first]));
+        if self.has_one_value_per_family() {
+            let member = inverse.first_member(&target, &self.attitudes, of_family);
+            if let Some((branch, posture)) = member {
+                counts.postures += 1;
+                chain.place_last(&posture, frames);
+                let value = evaluator.value(context, frames, &mut scratch.evaluator);
+                let (spot, certainty) = (Spot { node, branch, value }, Certainty::Value);
+                queue.judged.push(PostureCandidate { spot, target, contact, certainty, first: Some(first) });
+            }
+            return;
+        }
         let bounds = match evaluator.has_one_value_over_spins() {
             true => None,
             false => evaluator.bounds_over_spins(context, frames, &mut scratch.evaluator),
         };
         if let Some(bounds) = bounds {
-            inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
+            inverse.members(&target, &self.attitudes, posture, of_family, |branch, posture| {
                 counts.postures += 1;
                 let bound = bounds.at(chain.spin_between(begin, posture));
-                let member = Some((contact, Certainty::RoughBound));
-                queue.families.push(SpinFamily { bound, node, branch, first, member, target });
+                let stage = FamilyStage::Member(Certainty::RoughBound);
+                queue.families.push(SpinFamily { bound, branch, contact, stage, ..*family });
             });
             return;
         }
         let mut before = None;
-        inverse.members(&target, &self.attitudes, posture, family, |branch, posture| {
+        inverse.members(&target, &self.attitudes, posture, of_family, |branch, posture| {
             counts.postures += 1;
-            chain.place(posture, frames);
+            chain.place_last(posture, frames);
+            let tcp = frames.tcp.translation;
             let value = match before {
-                Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
+                // If the value ignores the spin, it is the same at the same TCP position, bit for bit.
+                Some((at, value)) if at == tcp => value,
                 _ => evaluator.value(context, frames, &mut scratch.evaluator),
             };
-            before = evaluator.ignores_spin().then_some((*frames, value));
-            queue.judged.push(judged(Spot { node, branch, value }, contact));
+            before = evaluator.ignores_spin().then_some((tcp, value));
+            let (spot, certainty) = (Spot { node, branch, value }, Certainty::Value);
+            queue.judged.push(PostureCandidate { spot, target, contact, certainty, first: Some(first) });
         });
     }
+
+    /// Adds the usable member of a family that comes after the member `last`, whose value it has.
+    fn add_next_member(&self, last: &PostureCandidate, queue: &mut FamilyQueue<'_>, memory: &PostureMemory) {
+        let Some(first) = last.first else { return };
+        let family = (last.spot.branch, &memory.firsts[first]);
+        let next = self.placed.mapper.arm.inverse.next_member(&last.target, &self.attitudes, family);
+        queue.judged.extend(next.map(|(branch, _)| {
+            let spot = Spot { branch, ..last.spot };
+            PostureCandidate { spot, ..*last }
+        }));
+    }
+
+    /// Returns whether all members of a family certainly have the same value, bit for bit, and the value takes
+    /// less computing time than bounds. Only one member of a family is then in the queue at a time.
+    fn has_one_value_per_family(&self) -> bool {
+        self.setup.evaluator.has_one_value_over_spins() && self.placed.mapper.arm.chain.keeps_tcp_exactly()
+    }
+
+    /// Judges a single member, or sharpens its bound.
+    ///
+    /// If the nearest candidate is known, a member whose arm collides is left out.
+    fn open_member(
+        &self,
+        certainty: Certainty,
+        member: &SpinFamily,
+        queue: &mut FamilyQueue<'_>,
+        memory: &mut PostureMemory,
+    ) {
+        let Ok(context) = &self.context else { return };
+        let SpinFamily { node, branch, first, target, contact, .. } = *member;
+        if let Some(candidate) = member.as_candidate().filter(|_| queue.is_nearest_known()) {
+            // A posture that collides needs no value. Computing a value takes much longer than checking for
+            // collisions.
+            let is_dear = matches!(certainty, Certainty::Bound | Certainty::SharpBound);
+            if is_useless(contact, queue) || is_dear && !self.is_free(&candidate, memory) {
+                return;
+            }
+        }
+        let PostureMemory { scratch, frames, firsts, counts, .. } = memory;
+        let (inverse, chain) = (&self.placed.mapper.arm.inverse, &self.placed.mapper.arm.chain);
+        let Some(posture) = inverse.member(&target, &self.attitudes, branch, &firsts[first]) else {
+            return;
+        };
+        counts.postures += 1;
+        chain.place(&posture, frames);
+        let (value, certainty) = self.setup.sharpened(certainty, context, frames, scratch);
+        if certainty == Certainty::Value {
+            let spot = Spot { node, branch, value };
+            queue.judged.push(PostureCandidate { spot, target, contact, certainty, first: Some(first) });
+        } else {
+            let (bound, stage) = (value.max(member.bound), FamilyStage::Member(certainty));
+            queue.families.push(SpinFamily { bound, stage, ..*member });
+        }
+    }
+}
+
+/// Returns whether the members of a family cannot be the spot, and are not needed as the first candidate.
+fn is_useless(contact: ArmContact, queue: &FamilyQueue<'_>) -> bool {
+    contact == ArmContact::BeforeLastJoint && queue.is_nearest_known()
 }

@@ -3,6 +3,8 @@
 //!
 //! [`crate::proof::rank_nodes`] computes these tables. The mathematics is stated there.
 
+use super::configuration::ConfigurationFlags;
+use crate::robot::Posture;
 use nalgebra::Vector3;
 
 /// Margin, m, by which the ranges of a bound are widened. The margin is far above the position errors of the
@@ -23,6 +25,10 @@ pub struct ValueField {
     /// One bound per table cell, m or rad, radius by radius within each height; infinite if no posture
     /// reaches the cell.
     bounds: Vec<f64>,
+    flags: ConfigurationFlags,
+    /// Bounds of every configuration in every table cell, m or rad, in the order of `bounds`; infinite if no
+    /// posture of the configuration reaches the cell.
+    by_configuration: Vec<f64>,
 }
 
 /// Range that is divided into cells of equal length.
@@ -55,23 +61,37 @@ impl Ticks {
 impl ValueField {
     /// Creates a table for a range of elevations (rad) and for ranges of height and radius, m. All bounds are
     /// infinite until [`Self::note`] lowers them. `step` is the largest length of a table cell, m.
-    pub fn new(elevation: (f64, f64), height: (f64, f64), radius: (f64, f64), step: f64) -> Self {
+    pub fn new(
+        elevation: (f64, f64),
+        height: (f64, f64),
+        radius: (f64, f64),
+        step: f64,
+        flags: ConfigurationFlags,
+    ) -> Self {
         let (height, radius) = (Ticks::new(height, step), Ticks::new(radius, step));
         let bounds = vec![f64::INFINITY; height.count * radius.count];
-        Self { elevation, height, radius, bounds }
+        let by_configuration = vec![f64::INFINITY; bounds.len() * flags.configurations()];
+        Self { elevation, height, radius, bounds, flags, by_configuration }
     }
 
-    /// Notes a lower bound of the value at all nodes whose height and radius lie in the given ranges, m.
-    pub fn note(&mut self, height: (f64, f64), radius: (f64, f64), bound: f64) {
+    /// Notes a lower bound of the value at all nodes whose height and radius lie in the given ranges, m. The
+    /// bound holds for the postures of the given configurations, a bit mask.
+    pub fn note(&mut self, height: (f64, f64), radius: (f64, f64), bound: f64, configurations: u32) {
         let cells = |ticks: &Ticks, (low, high): (f64, f64)| {
             let is_inside = high + SLACK >= ticks.low && low - SLACK <= ticks.high;
             let (first, last) = (ticks.nearest(low - SLACK), ticks.nearest(high + SLACK));
             if is_inside { first..last + 1 } else { 0..0 }
         };
         let across = cells(&self.radius, radius);
+        let count = self.flags.configurations();
         for k in cells(&self.height, height) {
-            for least in &mut self.bounds[k * self.radius.count..][across.clone()] {
-                *least = least.min(bound);
+            for cell in across.clone().map(|j| k * self.radius.count + j) {
+                self.bounds[cell] = self.bounds[cell].min(bound);
+                for (bit, least) in self.by_configuration[cell * count..][..count].iter_mut().enumerate() {
+                    if configurations >> bit & 1 == 1 {
+                        *least = least.min(bound);
+                    }
+                }
             }
         }
     }
@@ -85,9 +105,32 @@ impl ValueField {
     /// Returns a lower bound of the value at a target in the base frame, m. The bound is 0 outside the table,
     /// and infinite if no posture reaches the target.
     pub fn bound(&self, target: &Vector3<f64>) -> f64 {
-        match (self.height.cell(target.z), self.radius.cell(target.xy().norm())) {
-            (Some(k), Some(j)) => self.bounds[k * self.radius.count + j],
-            _ => 0.0,
-        }
+        self.cell(target).map_or(0.0, |cell| self.bounds[cell])
+    }
+
+    /// Returns the lower bounds of the values at a target in the base frame, m; None outside the table.
+    pub fn posture_bounds(&self, target: &Vector3<f64>) -> Option<PostureBounds<'_>> {
+        let count = self.flags.configurations();
+        let bounds = &self.by_configuration[self.cell(target)? * count..][..count];
+        Some(PostureBounds { flags: &self.flags, bounds })
+    }
+
+    /// Returns the index of the table cell that holds a target in the base frame, m; None outside the table.
+    fn cell(&self, target: &Vector3<f64>) -> Option<usize> {
+        Some(self.height.cell(target.z)? * self.radius.count + self.radius.cell(target.xy().norm())?)
+    }
+}
+
+/// Lower bounds of the values of the postures at one target, one bound for each configuration of the arm.
+pub struct PostureBounds<'f> {
+    flags: &'f ConfigurationFlags,
+    bounds: &'f [f64],
+}
+
+impl PostureBounds<'_> {
+    /// Returns a lower bound of the value of a posture at the target.
+    #[inline]
+    pub fn of(&self, posture: &Posture) -> f64 {
+        self.bounds[self.flags.configuration(posture)]
     }
 }

@@ -44,6 +44,8 @@ pub(super) struct Coordinates {
     pub turning: [u8; MAX_JOINTS + 1],
     /// Sum of the absolute changes of all joint angles per unit of each coordinate.
     pub angles: JointValues,
+    /// Joint angles (D-H, rad) in the middle of the joint limits.
+    middle_angles: JointValues,
 }
 
 /// Returns the joint coordinates in the middle of the limits: the posture with zero joint displacement
@@ -82,6 +84,11 @@ impl Coordinates {
         for (k, sum) in angles.iter_mut().enumerate() {
             *sum = (0..count).filter(revolute).map(|i| to_theta[i][k].abs()).sum();
         }
+        let posture = chain.posture(&middle(chain));
+        let mut middle_angles = [0.0; MAX_JOINTS];
+        for (k, angle) in middle_angles.iter_mut().enumerate() {
+            *angle = posture.sin[k].atan2(posture.cos[k]);
+        }
         let mut this = Self {
             count,
             to_theta,
@@ -90,6 +97,7 @@ impl Coordinates {
             high: [0.0; MAX_JOINTS],
             turning,
             angles,
+            middle_angles,
         };
         this.set_limits(chain, held);
         this
@@ -129,6 +137,14 @@ impl Coordinates {
             let reach: f64 = row.iter().zip(half).map(|(f, h)| f.abs() * h).sum();
             (self.low[i], self.high[i]) = (-reach, reach);
         }
+    }
+
+    /// Returns the range of the joint angle of a revolute joint (D-H, rad) over a box of coordinates.
+    pub fn theta_range(&self, joint: usize, low: &JointValues, high: &JointValues) -> (f64, f64) {
+        let products = |(d, (low, high)): (&f64, (&f64, &f64))| (d * low, d * high);
+        let ends = self.to_theta[joint].iter().zip(low.iter().zip(high)).map(products);
+        let middle = self.middle_angles[joint];
+        ends.fold((middle, middle), |range, (a, b)| (range.0 + a.min(b), range.1 + a.max(b)))
     }
 
     /// Returns the joint displacements `theta = D y` at the coordinates `y`.

@@ -47,6 +47,7 @@
 
 mod base_rows;
 mod branch_and_bound;
+mod configuration_choice;
 mod coordinates;
 mod first_joint;
 mod joint_box;

@@ -31,18 +31,23 @@
 //! sharp field. A coarse box lowers the bounds of the field, but they remain valid. The search therefore
 //! finds the same spots with any field, bit for bit (`cargo test --test maths ranking::`).
 //!
+//! The postures at a node differ much in value. The field therefore also keeps one bound per configuration of
+//! the arm, for example elbow up or down ([`ConfigurationFlags`]). The bound of a box counts for each
+//! configuration that the ranges of its joint angles allow.
+//!
 //! The bound of a percentile assumes that its square is convex in the covariance ([`super::value_bound`]).
 //! This assumption is tested, but not proven. A field of percentiles is therefore lowered by
 //! [`PERCENTILE_MARGIN`].
 
 use super::WhyNot;
 use super::branch_and_bound::lowered;
+use super::configuration_choice::ConfigurationChoice;
 use super::joint_box::{ContractedBox, JointBox, widest};
 use super::region::{ConstrainedQuantity, OperationRegion};
 use super::task::Task;
 use super::taylor_model::Taylor;
 use crate::cell::{Coordinate, Quantity, Reading};
-use crate::error_map::{PostureOrder, ValueField};
+use crate::error_map::{ConfigurationFlags, PostureOrder, ValueField};
 use crate::layout::Workcell;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -134,7 +139,9 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let kept = if is_percentile { 1.0 - PERCENTILE_MARGIN } else { 1.0 };
     let fixed = operation.attitude.elevation;
     let elevation = operation.angles[0].as_ref().map_or((fixed, fixed), Coordinate::range);
-    Ok(FieldSearch { elevation, reach: task.reach(), height: region.height, radius, kept, task })
+    let flags = ConfigurationChoice::new(workcell, region, radius).flags();
+    let (reach, height) = (task.reach(), region.height);
+    Ok(FieldSearch { elevation, reach, height, radius, kept, flags, task })
 }
 
 /// Search over boxes of joint coordinates for the value field of one region.
@@ -150,14 +157,15 @@ struct FieldSearch<'a> {
     reach: f64,
     /// Factor, at most 1, by which every bound is multiplied before the field records it.
     kept: f64,
+    flags: ConfigurationFlags,
 }
 
 /// Result of examining a box.
 enum Examined {
     /// No posture in the box satisfies the constraints.
     Empty,
-    /// Ranges of height and radius (m), and lower bound of the value.
-    Bounded { height: (f64, f64), radius: (f64, f64), bound: f64 },
+    /// Ranges of height and radius (m), lower bound of the value, and configurations as a bit mask.
+    Bounded { height: (f64, f64), radius: (f64, f64), bound: f64, configurations: u32 },
     /// Box that must be bisected, and the coordinate in which it is bisected.
     Bisected(JointBox, usize),
 }
@@ -166,7 +174,7 @@ impl FieldSearch<'_> {
     /// Computes the field. Once `stop` is set, the function ends early, and the field must not be used.
     fn field(&self, stop: &AtomicBool) -> ValueField {
         let step = CELL_SHARE * FINE.longest * self.reach;
-        let mut field = ValueField::new(self.elevation, self.height, self.radius, step);
+        let mut field = ValueField::new(self.elevation, self.height, self.radius, step, self.flags.clone());
         let (mut round, mut count) = (vec![JointBox::whole(&self.task)], 0);
         while !round.is_empty() && !stop.load(Ordering::Relaxed) {
             count += round.len();
@@ -181,7 +189,9 @@ impl FieldSearch<'_> {
             for one in examined {
                 match one {
                     Examined::Empty => {}
-                    Examined::Bounded { height, radius, bound } => field.note(height, radius, bound),
+                    Examined::Bounded { height, radius, bound, configurations } => {
+                        field.note(height, radius, bound, configurations);
+                    }
                     Examined::Bisected(part, cut) => round.extend(part.halves(cut)),
                 }
             }
@@ -215,6 +225,9 @@ impl FieldSearch<'_> {
             let cut = part.cut;
             return Examined::Bisected(part, cut);
         }
-        Examined::Bounded { height: tall, radius: wide, bound: self.kept * lowered(part.bound) }
+        let configurations =
+            self.flags.among(|joint| task.coordinates.theta_range(joint, &part.low, &part.high));
+        let bound = self.kept * lowered(part.bound);
+        Examined::Bounded { height: tall, radius: wide, bound, configurations }
     }
 }

@@ -140,6 +140,61 @@ impl Inverse {
         }
     }
 
+    /// Returns the first usable member of a spin family ([`Self::members`]): its branch index and its posture.
+    /// The tuple holds the branch index of any member, and the posture of the first member. Returns None if
+    /// no member is usable.
+    pub fn first_member(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        family: (u64, &Posture),
+    ) -> Option<(u64, Posture)> {
+        self.member_from(0, target, attitudes, family)
+    }
+
+    /// Returns the first usable member of a spin family after the member with the branch index `branch`.
+    /// `first` is the posture of the first member.
+    pub fn next_member(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        (branch, first): (u64, &Posture),
+    ) -> Option<(u64, Posture)> {
+        let spin = match &self.solver {
+            ChainSolver::Planar(_) => planar::spin_of(branch),
+            _ => attitudes.set.spin_index(self.attitude_of(branch)).1,
+        };
+        self.member_from(spin + 1, target, attitudes, (branch, first))
+    }
+
+    /// Returns the first usable member of a spin family whose spin has at least the index `spin`.
+    fn member_from(
+        &self,
+        spin: usize,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        (branch, first): (u64, &Posture),
+    ) -> Option<(u64, Posture)> {
+        (spin..attitudes.set.spins.len()).find_map(|spin| {
+            let branch = self.member_branch(attitudes, branch, spin)?;
+            let member = self.member(target, attitudes, branch, first)?;
+            (self.excess(&member, target, attitudes) == 0.0).then_some((branch, member))
+        })
+    }
+
+    /// Returns the branch index of the member with the given spin (an index), in the family of the branch
+    /// `branch`. Returns None if the family has no such member.
+    fn member_branch(&self, attitudes: &ToolAttitudes, branch: u64, spin: usize) -> Option<u64> {
+        if let ChainSolver::Planar(_) = &self.solver {
+            return Some(planar::with_spin(branch, spin));
+        }
+        let set = &attitudes.set;
+        let solved = |k: usize| set.spin_turns.get(k).map(|turn| turn.first);
+        let attitude = self.attitude_of(branch);
+        let k = set.with_spin(set.spin_index(attitude).0, spin);
+        (solved(k)? == solved(attitude)?).then(|| self.with_attitude(branch, k))
+    }
+
     /// Returns the posture of one member of a spin family. `branch` is the branch index of this member, and
     /// `first` is the posture of the first member. Returns None if the family has no such member.
     pub fn member(

@@ -46,11 +46,10 @@ impl ErrorEvaluator {
         self.spin_bound.is_some()
     }
 
-    /// Returns whether the reading is statistical and [`Self::value`] is the same after every rotation by the
-    /// last joint. A single evaluation of the value then takes less computing time than the lower bounds for
-    /// all rotations.
+    /// Returns whether [`Self::value`] is the same after every rotation by the last joint, and takes less
+    /// computing time than the lower bounds for all rotations. The result is false for a worst case.
     pub fn has_one_value_over_spins(&self) -> bool {
-        self.ignores_spin() && self.reading == Reading::Statistical
+        self.ignores_spin() && self.reading != Reading::WorstCase
     }
 
     /// Returns a lower bound of [`Self::value`] that holds after a rotation of the tool by any angle in

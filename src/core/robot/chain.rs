@@ -236,6 +236,25 @@ impl Chain {
         frames.tcp = self.tcp_on(&t);
     }
 
+    /// Writes the last frame and the TCP of a posture into `frames`. The frames before the last joint must
+    /// already belong to the posture.
+    #[inline]
+    pub fn place_last(&self, posture: &Posture, frames: &mut Frames) {
+        let Some((link, i)) = self.links.last().zip(self.axes().checked_sub(1)) else { return };
+        let last = step(&frames.links[i], link, posture.cos[i], posture.sin[i], posture.r[i]);
+        (frames.links[i + 1], frames.tcp) = (last, self.tcp_on(&last));
+    }
+
+    /// Returns whether the last joint leaves the computed position of the TCP unchanged, bit for bit.
+    ///
+    /// The D-H row of the joint then has neither a common normal nor a twist, and the TCP is on its axis.
+    pub fn keeps_tcp_exactly(&self) -> bool {
+        let is_on_axis = self.tool.translation.x == 0.0 && self.tool.translation.y == 0.0;
+        let turns_alone =
+            |link: &Link| link.kind == JointKind::Revolute && link.l == 0.0 && link.sin_alpha == 0.0;
+        is_on_axis && self.links.last().is_some_and(turns_alone)
+    }
+
     /// Returns the pose of the TCP if the last link has the pose `last`.
     #[inline]
     fn tcp_on(&self, last: &Pose) -> Pose {

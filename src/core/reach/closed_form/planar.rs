@@ -43,6 +43,11 @@ pub(in crate::reach) fn spin_of(branch: u64) -> usize {
     (branch >> SPIN_SHIFT) as usize
 }
 
+/// Returns a branch index with its spin replaced by the spin with the given index.
+pub(in crate::reach) fn with_spin(branch: u64, spin: usize) -> u64 {
+    (spin as u64) << SPIN_SHIFT | branch & !(u64::MAX << SPIN_SHIFT)
+}
+
 /// Closed form of the planar arm; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarArm {
