@@ -59,9 +59,10 @@ const OPTIMA: usize = 16;
 /// `largest` with all other signs from `corner`. The search also tries the mixed corners in which the signs
 /// of the weak sources, of the other sources, or of all sources are reversed.
 ///
-/// A flip is skipped if [`CornerModel::may_exceed`] or [`CornerModel::pair_gains`] proves that it does not
-/// increase the error. A combination is skipped if [`CornerModel::predict_combinations`] proves that another
-/// combination has a larger error. These predictions save time and do not change the result of the search.
+/// A flip is skipped if it gives a combination of weak signs that was already tried. A flip is also skipped if
+/// [`CornerModel::may_exceed`] or [`CornerModel::pair_gains`] proves that it does not increase the error. A
+/// combination is skipped if [`CornerModel::predict_combinations`] proves that another combination has a larger
+/// error. This saves time and does not change the result of the search.
 ///
 /// If `largest` is None, the search leaves out the mixed corners. The returned `bool` is false if more than
 /// `MAX_FREE` sources are weak and `largest` is None.
@@ -86,6 +87,7 @@ pub fn by_model(
         gap,
         model,
         best: None,
+        combined: None,
         optima: [ToleranceCorner::default(); OPTIMA],
         known: 0,
     };
@@ -180,6 +182,8 @@ struct CornerSearch<'a, 'm> {
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
     best: Option<(f64, ToleranceCorner)>,
+    /// Bit set of weak sources, and the corner with the largest error over all combinations of their signs.
+    combined: Option<(u128, ToleranceCorner)>,
     /// Corners at which the search has ended because no flip increases the error. The first
     /// [`Self::known`] entries are used.
     optima: [ToleranceCorner; OPTIMA],
@@ -209,30 +213,49 @@ impl CornerSearch<'_, '_> {
                 }
             }
         }
+        self.combined = Some((weak.iter().fold(0, |set, k| set | 1 << k), start.corner));
         self.polish(SearchCorner::new(self.columns, start.error, start.corner));
+    }
+
+    /// Returns whether flips of the signs in the bit set `flipped` cannot increase the error, because all
+    /// combinations of these signs were already tried at the corner `at`.
+    fn was_combined(&self, at: &SearchCorner, flipped: u128) -> bool {
+        self.combined.is_some_and(|(weak, corner)| flipped & !weak == 0 && at.corner == corner)
     }
 
     /// Starts at the corner `start`, and flips single signs and the signs of parallel columns together. If no
     /// such flip increases the error, the search flips pairs of signs.
     fn polish(&mut self, start: SearchCorner) {
         let mut at = start;
-        self.model.stand_at(at.corner);
+        // Number of columns that were tried since the last flip that increased the error.
+        let mut tried = 0;
         for _ in 0..MAX_ROUNDS {
             if self.is_optimum(&at) {
                 return;
             }
-            let before = at.error.size;
+            self.model.stand_at(at.corner);
             for k in 0..self.columns.len() {
-                self.flip(&mut at, 1 << k);
+                let mut is_larger = self.flip(&mut at, 1 << k);
                 // A column without parallel columns has no group to flip.
                 if self.groups[k] != 0 {
-                    self.flip(&mut at, 1 << k | self.groups[k]);
+                    is_larger |= self.flip(&mut at, 1 << k | self.groups[k]);
+                }
+                if is_larger && self.is_optimum(&at) {
+                    return;
+                }
+                tried = if is_larger { 0 } else { tried + 1 };
+                if tried == self.columns.len() {
+                    break;
                 }
             }
-            if at.error.size <= before && !self.flip_pair(&mut at) {
+            if tried < self.columns.len() {
+                continue;
+            }
+            if !self.flip_pair(&mut at) {
                 self.note_optimum(&at);
                 break;
             }
+            tried = 0;
         }
         if self.best.is_none_or(|(size, _)| at.error.size > size) {
             self.best = Some((at.error.size, at.corner));
@@ -271,7 +294,7 @@ impl CornerSearch<'_, '_> {
     /// by at most `self.gap`. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
-        if !self.model.may_exceed(&at.error, members(flipped)) {
+        if self.was_combined(at, flipped) || !self.model.may_exceed(&at.error, members(flipped)) {
             return false;
         }
         let change: Vector6<f64> =

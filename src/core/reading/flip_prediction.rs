@@ -103,9 +103,14 @@ pub struct FlipPrediction {
     sources: Vec<Vec<(usize, f64)>>,
     /// Change of each source if its sign at the latest corner is reversed, m or rad.
     changes: [f64; MAX_SOURCES],
+    /// Parts of the flips that are equal at all corners. The field `change` holds the terms that are quadratic
+    /// in the change of the source.
+    fixed: [PredictedFlip; MAX_SOURCES],
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
     computed: u128,
+    /// The latest corner; None if the posture is new.
+    corner: Option<ToleranceCorner>,
     /// Largest component sizes along the rows, per unit of displacement and of rotation
     /// ([`SenseRows::weights`]).
     weights: [f64; 2],
@@ -147,8 +152,10 @@ impl FlipPrediction {
             motions: owners.map(CornerMotion::of).collect(),
             sources: (0..n).map(motions_of).collect(),
             changes: [0.0; MAX_SOURCES],
+            fixed: [PredictedFlip::NONE; MAX_SOURCES],
             flips: [PredictedFlip::NONE; MAX_SOURCES],
             computed: 0,
+            corner: None,
             weights: [0.0; 2],
             rotations: 0.0,
             displacements: 0.0,
@@ -195,7 +202,10 @@ impl FlipPrediction {
             self.rotations += turned;
             self.displacements += moved;
         }
-        (self.weights, self.arm) = (measure.weights(), arm.norm());
+        (self.weights, self.arm, self.corner) = (measure.weights(), arm.norm(), None);
+        for (k, source) in sources.list.iter().enumerate() {
+            self.fixed[k] = self.fixed_part(k, 2.0 * source.plus_minus, measure);
+        }
         self.rotations <= MAX_ROTATION
     }
 
@@ -213,8 +223,14 @@ impl FlipPrediction {
         }
     }
 
-    /// Sets the corner.
+    /// Sets the corner. Call [`Self::set_posture`] first.
     pub fn set_corner(&mut self, sources: &ErrorSources, corner: ToleranceCorner) {
+        if self.corner == Some(corner) {
+            return;
+        }
+        self.corner = Some(corner);
+        // The change of the rotation vector matters only for rows that measure the rotation.
+        let has_rotation = self.weights[1] > 0.0;
         self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
         for (k, (own, source)) in self.sources.iter().zip(&sources.list).enumerate() {
             let value = source.at(corner.sign(k));
@@ -224,15 +240,19 @@ impl FlipPrediction {
         for motion in &mut self.motions {
             let own = motion.w * motion.size;
             motion.moves = motion.g + (turned + own).cross(&motion.g);
-            motion.turns = motion.w + turned.cross(&motion.w) / 2.0;
+            if has_rotation {
+                motion.turns = motion.w + turned.cross(&motion.w) / 2.0;
+            }
             turned += own;
         }
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
         for motion in self.motions.iter_mut().rev() {
             motion.moves += motion.w.cross(&moved);
-            motion.turns += motion.w.cross(&turned) / 2.0;
             moved += motion.g * motion.size;
-            turned += motion.w * motion.size;
+            if has_rotation {
+                motion.turns += motion.w.cross(&turned) / 2.0;
+                turned += motion.w * motion.size;
+            }
         }
         for (k, (change, source)) in self.changes.iter_mut().zip(&sources.list).enumerate() {
             *change = -2.0 * source.plus_minus * corner.sign(k);
@@ -240,15 +260,15 @@ impl FlipPrediction {
         self.computed = 0;
     }
 
-    /// Returns the prediction for a change of source `k` by `change` (m or rad).
-    fn flip(&self, k: usize, change: f64, measure: &SenseRows) -> PredictedFlip {
+    /// Returns the part of the prediction for a change of source `k` by `change` or `-change` (m or rad) that
+    /// is equal at all corners.
+    fn fixed_part(&self, k: usize, change: f64, measure: &SenseRows) -> PredictedFlip {
         let mut sum = Displacement::NONE;
         let (mut rotation, mut displacement) = (0.0, 0.0);
         let own = &self.sources[k];
         for (at, &(i, unit)) in own.iter().enumerate() {
             let (motion, change_i) = (&self.motions[i], change * unit);
-            sum.position += motion.moves * change_i + motion.w.cross(&motion.g) * (change_i * change_i / 2.0);
-            sum.rotation += motion.turns * change_i;
+            sum.position += motion.w.cross(&motion.g) * (change_i * change_i / 2.0);
             for &(j, unit) in &own[at + 1..] {
                 sum = sum + self.product(i, j) * (change_i * change * unit);
             }
@@ -260,6 +280,17 @@ impl FlipPrediction {
             displacement * all * all / 2.0 + rotation * all * (1.5 * self.displacements + self.arm * all);
         let margin = 2.0 * (self.weights[0] * of_position + self.weights[1] * rotation * all * all);
         PredictedFlip { change: measure.components(&sum), margin, rotation, displacement }
+    }
+
+    /// Returns the prediction for a flip of the sign of source `k`.
+    fn flip(&self, k: usize, measure: &SenseRows) -> PredictedFlip {
+        let mut sum = Displacement::NONE;
+        for &(i, unit) in &self.sources[k] {
+            let change = self.changes[k] * unit;
+            sum.position += self.motions[i].moves * change;
+            sum.rotation += self.motions[i].turns * change;
+        }
+        PredictedFlip { change: self.fixed[k].change + measure.components(&sum), ..self.fixed[k] }
     }
 
     /// Returns the second derivative of the point's displacement with respect to two motions.
@@ -276,7 +307,7 @@ impl FlipPrediction {
             return None;
         }
         if self.computed >> k & 1 == 0 {
-            self.flips[k] = self.flip(k, self.changes[k], measure);
+            self.flips[k] = self.flip(k, measure);
             self.computed |= 1 << k;
         }
         self.flips.get(k)
