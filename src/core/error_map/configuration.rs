@@ -63,8 +63,8 @@ impl ConfigurationFlags {
         self.0.iter().enumerate().map(|(bit, flag)| usize::from(flag.is_set(posture)) << bit).sum()
     }
 
-    /// Returns the configurations of all postures whose joint angles theta lie in ranges (rad), as a bit mask.
-    /// `range` returns the range of the joint with the given index.
+    /// Returns the configurations of all postures whose joint angles theta lie in given ranges, as a bit
+    /// mask. `range` returns the range (rad) of the joint with the given index.
     pub fn among(&self, range: impl Fn(usize) -> (f64, f64)) -> u32 {
         let possible: Vec<[bool; 2]> =
             self.0.iter().map(|flag| flag.is_possible(range(flag.joint))).collect();

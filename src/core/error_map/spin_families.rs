@@ -132,8 +132,8 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens an entry at once if its bound is at most the least bound in the queue. Otherwise, the entry joins
-    /// the queue.
+    /// Opens an entry at once if its bound is at most the least bound in the queue. Otherwise, the entry
+    /// joins the queue.
     fn enqueue(&self, entry: SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
         match entry.bound <= queue.least() {
             true => self.open(&entry, queue, memory),
@@ -261,8 +261,8 @@ impl OperationQuery<'_> {
         }));
     }
 
-    /// Returns whether all members of a family certainly have the same value, bit for bit, and the value takes
-    /// less computing time than bounds. Only one member of a family is then in the queue at a time.
+    /// Returns whether all members of a family certainly have the same value, bit for bit, and the value
+    /// takes less computing time than bounds. Only one member of a family is then in the queue at a time.
     fn has_one_value_per_family(&self) -> bool {
         self.setup.evaluator.has_one_value_over_spins() && self.placed.mapper.arm.chain.keeps_tcp_exactly()
     }

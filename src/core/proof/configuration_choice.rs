@@ -26,7 +26,8 @@ pub(super) struct ConfigurationChoice {
 }
 
 impl ConfigurationChoice {
-    /// Samples the postures of an operation over its region. `radius` is the range of the radius of a node, m.
+    /// Samples the postures of an operation over its region. `radius` is the range of the radius of a node,
+    /// m.
     pub fn new(workcell: &Workcell, region: &OperationRegion, radius: (f64, f64)) -> Self {
         let inverse = workcell.inverse();
         let links = inverse.chain().links.iter().enumerate();

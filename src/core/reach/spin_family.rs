@@ -140,9 +140,9 @@ impl Inverse {
         }
     }
 
-    /// Returns the first usable member of a spin family ([`Self::members`]): its branch index and its posture.
-    /// The tuple holds the branch index of any member, and the posture of the first member. Returns None if
-    /// no member is usable.
+    /// Returns the branch index and the posture of the first usable member of a spin family
+    /// ([`Self::members`]). The tuple holds the branch index of any member, and the posture of the first
+    /// member. Returns None if no member is usable.
     pub fn first_member(
         &self,
         target: &Vector3<f64>,

@@ -59,10 +59,10 @@ const OPTIMA: usize = 16;
 /// `largest` with all other signs from `corner`. The search also tries the mixed corners in which the signs
 /// of the weak sources, of the other sources, or of all sources are reversed.
 ///
-/// A flip is skipped if it gives a combination of weak signs that was already tried. A flip is also skipped if
+/// A flip is skipped if it gives a combination of weak signs that was already tried. It is also skipped if
 /// [`CornerModel::may_exceed`] or [`CornerModel::pair_gains`] proves that it does not increase the error. A
-/// combination is skipped if [`CornerModel::predict_combinations`] proves that another combination has a larger
-/// error. This saves time and does not change the result of the search.
+/// combination is skipped if [`CornerModel::predict_combinations`] proves that another combination has a
+/// larger error. This saves time and does not change the result of the search.
 ///
 /// If `largest` is None, the search leaves out the mixed corners. The returned `bool` is false if more than
 /// `MAX_FREE` sources are weak and `largest` is None.

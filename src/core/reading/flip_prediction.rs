@@ -103,8 +103,8 @@ pub struct FlipPrediction {
     sources: Vec<Vec<(usize, f64)>>,
     /// Change of each source if its sign at the latest corner is reversed, m or rad.
     changes: [f64; MAX_SOURCES],
-    /// Parts of the flips that are equal at all corners. The field `change` holds the terms that are quadratic
-    /// in the change of the source.
+    /// Parts of the flips that are equal at all corners. The field `change` holds the terms that are
+    /// quadratic in the change of the source.
     fixed: [PredictedFlip; MAX_SOURCES],
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
