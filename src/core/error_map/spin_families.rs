@@ -15,8 +15,9 @@ use super::value_field::ValueField;
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{PostureMemory, WalkMemory};
 use crate::cell::Reading;
-use crate::clearance::ArmPart;
+use crate::clearance::{ArmPart, ContactMemory};
 use crate::reach::FamilyReach;
+use crate::robot::Frames;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
 
@@ -163,17 +164,12 @@ impl OperationQuery<'_> {
         let mut contact = family.contact;
         if queue.is_nearest_known() {
             counts.contacts += 1;
-            let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
-            let (links, operation) = (&frames.links, Some(self.operation));
             // The error of a signed sample takes less computing time than the check of the whole arm.
-            let is_free = match evaluator.reading {
-                Reading::Signed => !mapper.scene.touches_again(part, solids, links, operation, contacts),
-                _ => {
-                    contact = ArmContact::OnlyBehindLastJoint;
-                    mapper.scene.is_part_free(part, solids, links, operation, contacts)
-                }
+            contact = match evaluator.reading {
+                Reading::Signed => self.contact_again(frames, contacts),
+                _ => self.contact_before_last_joint(frames, contacts),
             };
-            if !is_free {
+            if !contact.may_be_free() {
                 return;
             }
         }
@@ -182,6 +178,26 @@ impl OperationQuery<'_> {
         let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
         let (bound, stage) = (bound.max(family.bound), FamilyStage::Bounded);
         queue.families.push(SpinFamily { bound, contact, stage, ..*family });
+    }
+
+    /// Checks the solids before the last joint for contact.
+    fn contact_before_last_joint(&self, frames: &Frames, memory: &mut ContactMemory) -> ArmContact {
+        let (scene, solids) = (&self.placed.mapper.scene, &self.placed.solids);
+        let (part, operation) = (ArmPart::BeforeLastJoint, Some(self.operation));
+        match scene.is_part_free(part, solids, &frames.links, operation, memory) {
+            true => ArmContact::OnlyBehindLastJoint,
+            false => ArmContact::BeforeLastJoint,
+        }
+    }
+
+    /// Checks the solids before the last joint only for the contact that was found last.
+    fn contact_again(&self, frames: &Frames, memory: &ContactMemory) -> ArmContact {
+        let (scene, solids) = (&self.placed.mapper.scene, &self.placed.solids);
+        let (part, operation) = (ArmPart::BeforeLastJoint, Some(self.operation));
+        match scene.touches_again(part, solids, &frames.links, operation, memory) {
+            true => ArmContact::BeforeLastJoint,
+            false => ArmContact::Unknown,
+        }
     }
 
     /// Computes a lower bound for each member of a family. If values take little computing time, the function
@@ -199,12 +215,7 @@ impl OperationQuery<'_> {
         if contact == ArmContact::Unknown {
             // The members differ in the last joint alone.
             counts.contacts += 1;
-            let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
-            let (links, operation) = (&frames.links, Some(self.operation));
-            contact = match mapper.scene.is_part_free(part, solids, links, operation, contacts) {
-                true => ArmContact::OnlyBehindLastJoint,
-                false => ArmContact::BeforeLastJoint,
-            };
+            contact = self.contact_before_last_joint(frames, contacts);
         }
         if is_useless(contact, queue) {
             return;
@@ -307,5 +318,5 @@ impl OperationQuery<'_> {
 
 /// Returns whether the members of a family cannot be the spot, and are not needed as the first candidate.
 fn is_useless(contact: ArmContact, queue: &FamilyQueue<'_>) -> bool {
-    contact == ArmContact::BeforeLastJoint && queue.is_nearest_known()
+    !contact.may_be_free() && queue.is_nearest_known()
 }
