@@ -10,7 +10,7 @@ use super::work_context::WorkContext;
 use crate::kinematic_error::{Expansion, TwoValuedWalk, position_error};
 use crate::pose::Displacement;
 use crate::robot::Frames;
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{SVector, Vector3, Vector6};
 
 /// Upper bound of the relative rounding error of a computed error size.
 const ROUNDING: f64 = 1e-12;
@@ -103,6 +103,11 @@ impl<'a> CornerModel<'a> {
         CornerError { size, components: self.measure.components(&error) }
     }
 
+    /// Returns the bit set of the sources that are known to leave the error unchanged at every corner.
+    pub fn idle(&self) -> u128 {
+        self.prediction.as_ref().map_or(0, |prediction| prediction.idle())
+    }
+
     /// Sets the corner from which [`Self::may_exceed`] predicts how a flip of each sign changes the error.
     pub fn stand_at(&mut self, corner: ToleranceCorner) {
         if let Some(flips) = &mut self.prediction {
@@ -151,22 +156,41 @@ impl<'a> CornerModel<'a> {
         free: &[usize],
         sizes: &mut [f64; 1 << MAX_FREE],
     ) -> Option<f64> {
+        match self.measure.rows() {
+            1 => self.predict_in_rows::<1>(corner, error, free, sizes),
+            2 => self.predict_in_rows::<2>(corner, error, free, sizes),
+            3 => self.predict_in_rows::<3>(corner, error, free, sizes),
+            _ => self.predict_in_rows::<6>(corner, error, free, sizes),
+        }
+    }
+
+    /// Predicts sizes as [`Self::predict_combinations`] does. The components after the first `R` must be 0.
+    fn predict_in_rows<const R: usize>(
+        &mut self,
+        corner: ToleranceCorner,
+        error: &CornerError,
+        free: &[usize],
+        sizes: &mut [f64; 1 << MAX_FREE],
+    ) -> Option<f64> {
+        let in_rows = |v: &Vector6<f64>| v.fixed_rows::<R>(0).into_owned();
         let prediction = self.prediction.as_mut()?;
         let (corner, sources) = (self.evaluator.of_sources(corner), &self.evaluator.sources);
         let mut margin = ROUNDING * error.size;
-        let mut products = [[Vector6::zeros(); MAX_FREE]; MAX_FREE];
+        let mut alone = [SVector::<f64, R>::zeros(); MAX_FREE];
+        let mut products = [[SVector::<f64, R>::zeros(); MAX_FREE]; MAX_FREE];
         for (a, &k) in free.iter().enumerate() {
-            margin += prediction.flip_of(k, &self.measure)?.margin;
+            let flip = prediction.flip_of(k, &self.measure)?;
+            margin += flip.margin;
+            alone[a] = in_rows(&flip.change);
             for (b, &l) in free.iter().enumerate().take(a) {
-                products[a][b] = prediction.product_of(sources, corner, (k, l), &self.measure);
+                products[a][b] = in_rows(&prediction.product_of(sources, corner, (k, l), &self.measure));
                 products[b][a] = products[a][b];
             }
         }
-        let (mut components, mut flipped) = (error.components, 0u32);
+        let (mut components, mut flipped) = (in_rows(&error.components), 0u32);
         for (step, a) in gray_code(free.len()) {
             let partners = (0..free.len()).filter(|&b| b != a && flipped >> b & 1 == 1);
-            let alone = prediction.flip_of(free[a], &self.measure)?.change;
-            let change = alone + partners.map(|b| products[a][b]).sum::<Vector6<f64>>();
+            let change = alone[a] + partners.map(|b| products[a][b]).sum::<SVector<f64, R>>();
             components += if flipped >> a & 1 == 1 { -change } else { change };
             flipped ^= 1 << a;
             sizes[step] = components.norm();

@@ -59,7 +59,8 @@ const OPTIMA: usize = 16;
 /// `largest` with all other signs from `corner`. The search also tries the mixed corners in which the signs
 /// of the weak sources, of the other sources, or of all sources are reversed.
 ///
-/// A flip is skipped if it gives a combination of weak signs that was already tried. It is also skipped if
+/// A flip is skipped if its sources leave the error unchanged at every corner ([`CornerModel::idle`]), or if
+/// it gives a combination of weak signs that was already tried. It is also skipped if
 /// [`CornerModel::may_exceed`] or [`CornerModel::pair_gains`] proves that it does not increase the error. A
 /// combination is skipped if [`CornerModel::predict_combinations`] proves that another combination has a
 /// larger error. This saves time and does not change the result of the search.
@@ -85,6 +86,7 @@ pub fn by_model(
         columns,
         groups: groups(columns),
         gap,
+        idle: model.idle(),
         model,
         best: None,
         combined: None,
@@ -99,7 +101,8 @@ pub fn by_model(
     let count = (0..columns.len()).filter(is_weak).count();
     if (1..=MAX_FREE).contains(&count) {
         let mut weak = [0; MAX_FREE];
-        weak.iter_mut().zip((0..columns.len()).filter(is_weak)).for_each(|(to, k)| *to = k);
+        let acting = (0..columns.len()).filter(is_weak).filter(|k| search.idle >> k & 1 == 0);
+        let count = weak.iter_mut().zip(acting).map(|(to, k)| *to = k).count();
         starts.for_each(|start| search.polish_best_combination(start, &weak[..count]));
     } else {
         starts.for_each(|start| search.polish(start));
@@ -179,6 +182,8 @@ struct CornerSearch<'a, 'm> {
     groups: [u128; MAX_SOURCES],
     /// Largest change of the linear error that a tried flip may cause, m or rad.
     gap: f64,
+    /// Bit set of the sources that leave the error unchanged at every corner. Their signs are not flipped.
+    idle: u128,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
     best: Option<(f64, ToleranceCorner)>,
@@ -285,16 +290,20 @@ impl CornerSearch<'_, '_> {
         let gains = self.model.pair_gains(&at.error);
         let is_hopeless = |j: usize| gains.as_ref().is_some_and(|gains| !gains.may_increase_with(j, n));
         let may_increase = |j: usize, k: usize| gains.as_ref().is_none_or(|gains| gains.may_increase(j, k));
+        let idle = self.idle;
+        let acts = |k: usize| idle >> k & 1 == 0;
         (0..n)
-            .filter(|&j| !is_hopeless(j))
-            .any(|j| (j + 1..n).any(|k| may_increase(j, k) && self.flip(at, 1 << j | 1 << k)))
+            .filter(|&j| acts(j) && !is_hopeless(j))
+            .any(|j| (j + 1..n).any(|k| acts(k) && may_increase(j, k) && self.flip(at, 1 << j | 1 << k)))
     }
 
     /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error
     /// by at most `self.gap`. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
-        if self.was_combined(at, flipped) || !self.model.may_exceed(&at.error, members(flipped)) {
+        let acting = flipped & !self.idle;
+        let is_tried = acting == 0 || self.was_combined(at, acting);
+        if is_tried || !self.model.may_exceed(&at.error, members(flipped)) {
             return false;
         }
         let change: Vector6<f64> =

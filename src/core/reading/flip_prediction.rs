@@ -14,10 +14,13 @@
 //! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of two different motions. There is no
 //! cross product of a motion with itself. One pass from the base to the tool and back gives every `G_i`. The
 //! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
-//! rotations, and D the largest sum of the sizes of all displacements. The third-order products that contain
-//! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the sum of all products of order
-//! 3 and higher is less than twice this bound. For a measured point at a distance r from the TCP, this bound
-//! grows by `|d_i| |w_i| A^2 r`. The growth bounds the effect of the truncated rotation vector on the point.
+//! rotations, and B the same sum over motion i and the motions before it. Let D be the largest sum of the
+//! sizes of the displacements by motion i and the motions after it. A product of k errors is the effect `g_l`
+//! of one motion, multiplied by the axes of k - 1 rotations that do not come after it. So the products of k
+//! errors change by at most `|d_i| (|g_i| B^(k-1) / (k-1)! + |w_i| D A^(k-2) / (k-2)!)`. The sum over all k
+//! from 3 is `|d_i| (|g_i| (exp(B) - 1 - B) + |w_i| D (exp(A) - 1))`. For a measured point at a distance r
+//! from the TCP, this bound grows by `2 |d_i| |w_i| A^2 r`. The growth bounds the effect of the truncated
+//! rotation vector on the point.
 
 use super::corner::ToleranceCorner;
 use super::error_sources::{ErrorSources, MAX_SOURCES};
@@ -30,6 +33,8 @@ use nalgebra::{Vector3, Vector6};
 /// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of
 /// three errors.
 const MAX_ROTATION: f64 = 0.25;
+/// Share of the largest sum of all displacements that counts as a rounding error.
+const ROUNDING: f64 = 1e-14;
 
 /// Part of the cell to which a small motion belongs.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +55,10 @@ struct CornerMotion {
     w: Vector3<f64>,
     /// Size at the corner, m or rad.
     size: f64,
+    /// Largest sum of the rotations by this motion and the motions before it, rad.
+    turned_before: f64,
+    /// Largest sum of the displacements by this motion and the motions after it, m.
+    moved_after: f64,
     /// Derivative `G_i` of the position of the measured point with respect to the size of the motion.
     moves: Vector3<f64>,
     /// Derivative of the rotation vector with respect to the size of the motion.
@@ -59,7 +68,8 @@ struct CornerMotion {
 impl CornerMotion {
     fn of(owner: Owner) -> Self {
         let none = Vector3::zeros();
-        Self { owner, g: none, w: none, size: 0.0, moves: none, turns: none }
+        let (size, turned_before, moved_after) = (0.0, 0.0, 0.0);
+        Self { owner, g: none, w: none, size, turned_before, moved_after, moves: none, turns: none }
     }
 }
 
@@ -109,6 +119,8 @@ pub struct FlipPrediction {
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
     computed: u128,
+    /// Bit set of the sources that leave the error unchanged at every corner.
+    idle: u128,
     /// The latest corner; None if the posture is new.
     corner: Option<ToleranceCorner>,
     /// Largest component sizes along the rows, per unit of displacement and of rotation
@@ -155,6 +167,7 @@ impl FlipPrediction {
             fixed: [PredictedFlip::NONE; MAX_SOURCES],
             flips: [PredictedFlip::NONE; MAX_SOURCES],
             computed: 0,
+            idle: 0,
             corner: None,
             weights: [0.0; 2],
             rotations: 0.0,
@@ -196,15 +209,24 @@ impl FlipPrediction {
         }
         // A rotation also displaces the effects of all motions nearer to the tool.
         (self.rotations, self.displacements, self.pairs) = (0.0, 0.0, 0.0);
-        for motion in self.motions.iter().rev() {
+        for motion in self.motions.iter_mut().rev() {
             let (turned, moved) = (motion.size * motion.w.norm(), motion.size * motion.g.norm());
             self.pairs += turned * (moved / 2.0 + self.displacements);
+            // For now, this is the sum over the motions after this one.
+            motion.turned_before = self.rotations;
             self.rotations += turned;
             self.displacements += moved;
+            motion.moved_after = self.displacements;
         }
+        let all = self.rotations;
+        self.motions.iter_mut().for_each(|motion| motion.turned_before = all - motion.turned_before);
         (self.weights, self.arm, self.corner) = (measure.weights(), arm.norm(), None);
+        let growth = self.rotations.exp_m1();
+        self.idle = 0;
         for (k, source) in sources.list.iter().enumerate() {
-            self.fixed[k] = self.fixed_part(k, 2.0 * source.plus_minus, measure);
+            let change = 2.0 * source.plus_minus;
+            self.fixed[k] = self.fixed_part(k, change, growth, measure);
+            self.idle |= u128::from(self.is_idle(k, change)) << k;
         }
         self.rotations <= MAX_ROTATION
     }
@@ -261,10 +283,10 @@ impl FlipPrediction {
     }
 
     /// Returns the part of the prediction for a change of source `k` by `change` or `-change` (m or rad) that
-    /// is equal at all corners.
-    fn fixed_part(&self, k: usize, change: f64, measure: &SenseRows) -> PredictedFlip {
+    /// is equal at all corners. `growth` is `exp(A) - 1`, where A is the largest sum of all rotations.
+    fn fixed_part(&self, k: usize, change: f64, growth: f64, measure: &SenseRows) -> PredictedFlip {
         let mut sum = Displacement::NONE;
-        let (mut rotation, mut displacement) = (0.0, 0.0);
+        let (mut rotation, mut displacement, mut of_position) = (0.0, 0.0, 0.0);
         let own = &self.sources[k];
         for (at, &(i, unit)) in own.iter().enumerate() {
             let (motion, change_i) = (&self.motions[i], change * unit);
@@ -272,14 +294,35 @@ impl FlipPrediction {
             for &(j, unit) in &own[at + 1..] {
                 sum = sum + self.product(i, j) * (change_i * change * unit);
             }
-            rotation += change_i.abs() * motion.w.norm();
-            displacement += change_i.abs() * motion.g.norm();
+            let (turned, moved) = (change_i.abs() * motion.w.norm(), change_i.abs() * motion.g.norm());
+            let before = motion.turned_before;
+            // The factor of `moved` is at least exp(before) - 1 - before.
+            of_position += moved * before * before / (2.0 - before) + turned * motion.moved_after * growth;
+            rotation += turned;
+            displacement += moved;
         }
-        let all = self.rotations;
-        let of_position =
-            displacement * all * all / 2.0 + rotation * all * (1.5 * self.displacements + self.arm * all);
-        let margin = 2.0 * (self.weights[0] * of_position + self.weights[1] * rotation * all * all);
+        let of_rotation = 2.0 * rotation * self.rotations * self.rotations;
+        let margin = self.weights[0] * (of_position + of_rotation * self.arm) + self.weights[1] * of_rotation;
         PredictedFlip { change: measure.components(&sum), margin, rotation, displacement }
+    }
+
+    /// Returns whether a change of source `k` by `change` (m or rad) leaves the error unchanged at every
+    /// corner, except for rounding errors. An example is a rotation of the tool about an axis through the
+    /// TCP.
+    fn is_idle(&self, k: usize, change: f64) -> bool {
+        let least = ROUNDING * self.displacements;
+        self.weights[1] == 0.0
+            && self.sources[k].iter().all(|&(i, unit)| {
+                let motion = &self.motions[i];
+                let by = motion.g.norm() + motion.w.norm() * (motion.moved_after + self.arm);
+                2.0 * (change * unit).abs() * by <= least
+            })
+    }
+
+    /// Returns the bit set of the sources that leave the error unchanged at every corner. Call
+    /// [`Self::set_posture`] first.
+    pub fn idle(&self) -> u128 {
+        self.idle
     }
 
     /// Returns the prediction for a flip of the sign of source `k`.

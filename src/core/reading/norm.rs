@@ -31,6 +31,22 @@ use bromwich::invert;
 use nalgebra::Vector6;
 use spectrum::Spectrum;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Step in `log z` of the trapezoidal sum for the mean of `|e|`. The sum is accurate to 5e-12, however far the
+/// mean of `e` is from zero.
+const MEAN_STEP: f64 = 0.5;
+/// Numbers of the first and the last step of this sum.
+const MEAN_RANGE: (i32, i32) = (-22, 52);
+const MEAN_COUNT: usize = (MEAN_RANGE.1 - MEAN_RANGE.0 + 1) as usize;
+
+/// Points z of the trapezoidal sum for the mean of `|e|`, and their weights `z^(-1/2)`.
+static MEAN_POINTS: LazyLock<[(f64, f64); MEAN_COUNT]> = LazyLock::new(|| {
+    std::array::from_fn(|k| {
+        let log = MEAN_STEP * f64::from(MEAN_RANGE.0 + k as i32);
+        (log.exp(), (-0.5 * log).exp())
+    })
+});
 
 /// Distribution of the norm `|e|` of a nearly normal vector `e`.
 pub struct NormDistribution {
@@ -65,16 +81,14 @@ impl NormDistribution {
     /// in `log z`, whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
-        let step = 0.5; // accurate to 5e-12, however far the mean of `e` is from zero
-        let (first, last) = ((-11.0 / step) as i32, (26.0 / step) as i32);
         let mut sum = 0.0;
-        for k in first..=last {
-            let t = step * f64::from(k);
-            sum += (1.0 - spectrum.real(t.exp())) * (-0.5 * t).exp();
+        for (z, weight) in MEAN_POINTS.iter() {
+            sum += (1.0 - spectrum.real(*z)) * weight;
         }
+        let step = MEAN_STEP;
         let tail = |t: f64, power: f64| (power * t).exp() / ((power.abs() * step).exp() - 1.0);
         let second = 0.5 * (1.0 + spectrum.cumulants()[1]);
-        let (start, end) = (step * f64::from(first), step * f64::from(last));
+        let (start, end) = (step * f64::from(MEAN_RANGE.0), step * f64::from(MEAN_RANGE.1));
         sum += tail(start, 0.5) - second * tail(start, 1.5) + tail(end, -0.5);
         self.unit * step * sum / (2.0 * PI.sqrt())
     }

@@ -14,7 +14,7 @@
 //! So the contour for a large mean is a steep hyperbola through the saddle point of the integrand. On this
 //! hyperbola every term of the sum is small.
 
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, exponential};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -91,7 +91,7 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
         if !plain {
             let z = at.s[k] / x;
             let (h, f) = spectrum.factors(z);
-            l *= (h - moved * z).exp() * f;
+            l *= exponential(h - moved * z) * f;
         }
         let ls = l * at.s[k];
         sum[0] += l.im;

@@ -10,12 +10,17 @@
 use super::cumulants::{Axes, Cumulants};
 use super::jacobi::{covariance, diagonalize};
 use nalgebra::{Complex, Vector6};
+use std::ops::{Add, Mul};
 
 /// An eigenvalue counts as zero if it is below this share of the trace of the covariance, because it may be a
 /// rounding error.
 const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Limit of the components: a vector counts as zero if all its components are smaller in absolute value.
 const MIN_SIZE: f64 = 1e-300;
+
+/// Exponents of a smaller absolute value use the first terms of the exponential series, to rounding
+/// accuracy. The mean of an error is often small, and then all exponents are small.
+const SMALL_EXPONENT: f64 = 1e-3;
 
 /// Laplace transform of `Q = |e|^2` for a nearly normal vector `e`.
 ///
@@ -110,8 +115,8 @@ impl Spectrum {
             zr[i].re = z / w;
             exponent += mean2 * zr[i].re;
         }
-        (-exponent).exp() / f64::sqrt(product)
-            * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
+        let decay = if exponent < SMALL_EXPONENT { series(-exponent) } else { (-exponent).exp() };
+        decay / f64::sqrt(product) * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
     }
 
     /// Returns the Laplace transform for a zero mean and normal parameters: `prod_i 1 / sqrt(1 + 2 l_i z)`.
@@ -139,6 +144,20 @@ impl Spectrum {
         }
         (h, self.correction.as_ref().map_or(Complex::new(1.0, 0.0), |f| f.factor(&zr[..self.rank])))
     }
+}
+
+/// Returns `exp(w)`.
+pub fn exponential(w: Complex<f64>) -> Complex<f64> {
+    if w.norm_sqr() < SMALL_EXPONENT * SMALL_EXPONENT { series(w) } else { w.exp() }
+}
+
+/// Returns the terms of the exponential series up to the fourth power.
+fn series<T>(x: T) -> T
+where
+    T: Copy + Add<f64, Output = T> + Mul<Output = T> + Mul<f64, Output = T>,
+{
+    let inner = x * (1.0 / 24.0) + 1.0 / 6.0;
+    x * (x * (x * inner + 0.5) + 1.0) + 1.0
 }
 
 /// Returns the square root whose real part is not negative.
