@@ -21,8 +21,6 @@ pub struct SpinFamily {
     /// Known contacts of the solids before the last joint.
     pub contact: ArmContact,
     pub stage: FamilyStage,
-    /// Target position of the TCP, in the base frame, m.
-    pub target: Vector3<f64>,
 }
 
 /// What an entry of the queue stands for, and where its bound comes from.
@@ -37,12 +35,13 @@ pub enum FamilyStage {
 }
 
 impl SpinFamily {
-    /// Returns a single member as a candidate, whose value is the bound; None for a whole family.
-    pub fn as_candidate(&self) -> Option<PostureCandidate> {
+    /// Returns a single member as a candidate, whose value is the bound; None for a whole family. `target` is
+    /// the target position of the TCP, in the base frame, m.
+    pub fn as_candidate(&self, target: Vector3<f64>) -> Option<PostureCandidate> {
         let FamilyStage::Member(certainty) = self.stage else { return None };
         let spot = Spot { node: self.node, branch: self.branch, value: self.bound };
-        let Self { target, contact, .. } = *self;
-        Some(PostureCandidate { spot, target, contact, certainty, first: Some(self.first) })
+        let (contact, first) = (self.contact, Some(self.first));
+        Some(PostureCandidate { spot, target, contact, certainty, first })
     }
 }
 

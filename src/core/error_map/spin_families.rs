@@ -121,7 +121,7 @@ impl OperationQuery<'_> {
                 }
             };
             let (first, contact) = (firsts.len(), ArmContact::Unknown);
-            families.push(SpinFamily { bound, node, branch, first, contact, stage, target });
+            families.push(SpinFamily { bound, node, branch, first, contact, stage });
             firsts.push(*posture);
         });
         if let FamilyReach::OnlyBetweenSamples { .. } = reach {
@@ -208,7 +208,8 @@ impl OperationQuery<'_> {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
         let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
-        let SpinFamily { node, branch, first, target, .. } = *family;
+        let SpinFamily { node, branch, first, .. } = *family;
+        let target = self.node_target(node);
         let PostureMemory { scratch, frames, posture, contacts, firsts, counts, .. } = memory;
         chain.place(&firsts[first], frames);
         let mut contact = family.contact;
@@ -289,8 +290,9 @@ impl OperationQuery<'_> {
         memory: &mut PostureMemory,
     ) {
         let Ok(context) = &self.context else { return };
-        let SpinFamily { node, branch, first, target, contact, .. } = *member;
-        if let Some(candidate) = member.as_candidate().filter(|_| queue.is_nearest_known()) {
+        let SpinFamily { node, branch, first, contact, .. } = *member;
+        let target = self.node_target(node);
+        if let Some(candidate) = member.as_candidate(target).filter(|_| queue.is_nearest_known()) {
             // A posture that collides needs no value. Computing a value takes much longer than checking for
             // collisions.
             let is_dear = matches!(certainty, Certainty::Bound | Certainty::SharpBound);

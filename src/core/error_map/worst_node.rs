@@ -158,7 +158,8 @@ impl OperationQuery<'_> {
         let mut members = std::mem::take(&mut memory.members);
         let mut tried = 0;
         let found = families.iter().take_while(|family| family.bound < floor).any(|family| {
-            let SpinFamily { node, branch, first, target, .. } = *family;
+            let SpinFamily { node, branch, first, .. } = *family;
+            let target = self.node_target(node);
             let of_family = (branch, &memory.firsts[first]);
             members.clear();
             inverse.members(&target, &self.attitudes, &mut memory.posture, of_family, |branch, posture| {
