@@ -71,7 +71,7 @@ impl Attitude {
     }
 
     /// Returns the spins that are tried if the spin is free, rad.
-    pub fn free_spins() -> impl Iterator<Item = f64> {
+    pub fn free_spins() -> impl Iterator<Item = f64> + Clone {
         (0..FREE_STEPS).map(free_step)
     }
 
@@ -97,13 +97,36 @@ fn free_step(k: usize) -> f64 {
 ///
 /// The columns are r, d x r and d: r is the reference axis, and d is the tool axis.
 pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
-    let (sin, cos) = exact_sin_cos(elevation);
-    let (h_y, h_x) = exact_sin_cos(azimuth);
-    let d = Vector3::new(cos * h_x, cos * h_y, sin);
-    let w = Vector3::new(-sin * h_x, -sin * h_y, cos);
     let (sin, cos) = exact_sin_cos(spin);
-    let r = w * cos + d.cross(&w) * sin;
-    Matrix3::from_columns(&[r, d.cross(&r), d])
+    ToolDirection::new(elevation, azimuth).spun(cos, sin)
+}
+
+/// Direction of a tool axis, from which the rotation matrices of all spins follow.
+#[derive(Debug, Clone, Copy)]
+pub struct ToolDirection {
+    /// Tool axis d.
+    d: Vector3<f64>,
+    /// Reference axis r at the spin 0.
+    w: Vector3<f64>,
+    /// Reference axis r at a spin of a right angle.
+    u: Vector3<f64>,
+}
+
+impl ToolDirection {
+    /// Returns the direction of a tool axis with these angles, rad.
+    pub fn new(elevation: f64, azimuth: f64) -> Self {
+        let (sin, cos) = exact_sin_cos(elevation);
+        let (h_y, h_x) = exact_sin_cos(azimuth);
+        let d = Vector3::new(cos * h_x, cos * h_y, sin);
+        let w = Vector3::new(-sin * h_x, -sin * h_y, cos);
+        Self { d, w, u: d.cross(&w) }
+    }
+
+    /// Returns the rotation matrix of [`held`] for a spin with this cosine and sine.
+    pub fn spun(&self, cos: f64, sin: f64) -> Matrix3<f64> {
+        let r = self.w * cos + self.u * sin;
+        Matrix3::from_columns(&[r, self.d.cross(&r), self.d])
+    }
 }
 
 /// Returns the axes r, d x r and d of [`held`] as columns in the frame of the TCP.

@@ -1,6 +1,6 @@
 //! The tool attitudes that an operation allows, for one arm and one yaw of the surface.
 
-use crate::cell::{Attitude, Azimuth, Spin, held};
+use crate::cell::{Attitude, Azimuth, Spin, ToolDirection, held};
 use crate::pose::exact_sin_cos;
 use crate::units::wrapped;
 use nalgebra::{Matrix3, Vector3};
@@ -81,18 +81,26 @@ impl AttitudeSet {
             None => self.elevations.extend(tilted(attitude.elevation, attitude.tolerance)),
         }
         self.tilts_sideways = attitude.tolerance > 0.0 && fixed_elevation.is_none();
-        self.spins.clear();
         match &attitude.spin {
-            Spin::Free => self.spins.extend(Attitude::free_spins()),
-            Spin::At(spins) => self.spins.extend_from_slice(spins),
+            Spin::Free => self.update_spins(Attitude::free_spins()),
+            Spin::At(spins) => self.update_spins(spins.iter().copied()),
         }
+        self.columns.clear();
+        self.spin_turns.clear();
+    }
+
+    /// Sets the spins (rad) and their directions, unless the spins are the same as before.
+    fn update_spins(&mut self, spins: impl Iterator<Item = f64> + Clone) {
+        if self.spins.iter().copied().eq(spins.clone()) {
+            return;
+        }
+        self.spins.clear();
+        self.spins.extend(spins);
         self.spin_directions.clear();
         self.spin_directions.extend(self.spins.iter().map(|spin| cos_sin(*spin)));
         self.spin_rotations.clear();
         let first = self.spins.first().copied().unwrap_or(0.0);
         self.spin_rotations.extend(self.spins.iter().map(|spin| cos_sin(spin - first)));
-        self.columns.clear();
-        self.spin_turns.clear();
     }
 
     /// Sets the rotation matrices of all attitudes, for a solver that needs the full pose of the flange.
@@ -100,14 +108,25 @@ impl AttitudeSet {
     /// [`Self::update`] must be called first.
     pub fn update_columns(&mut self, attitude: &Attitude, yaw: f64) {
         let turned = if self.radial { 0.0 } else { yaw };
+        let tilts = self.tilts();
         for azimuth in attitude.azimuths() {
-            for &spin in &self.spins {
-                let azimuth = turned + azimuth;
-                let columns = &mut self.columns;
-                self.elevations.iter().for_each(|&e| columns.push(held(e, azimuth, spin)));
-                if self.tilts_sideways {
-                    let wanted = held(attitude.elevation, azimuth, spin);
-                    columns.extend([1.0, -1.0].map(|side| sideways(&wanted, side * attitude.tolerance)));
+            let azimuth = turned + azimuth;
+            let first = self.columns.len();
+            self.columns.resize(first + self.columns_per_azimuth(), Matrix3::zeros());
+            let columns = &mut self.columns[first..];
+            for (k, &elevation) in self.elevations.iter().enumerate() {
+                let direction = ToolDirection::new(elevation, azimuth);
+                for (columns, (cos, sin)) in columns[k..].iter_mut().step_by(tilts).zip(&self.spin_directions)
+                {
+                    *columns = direction.spun(*cos, *sin);
+                }
+            }
+            if self.tilts_sideways {
+                let direction = ToolDirection::new(attitude.elevation, azimuth);
+                for (columns, (cos, sin)) in columns.chunks_exact_mut(tilts).zip(&self.spin_directions) {
+                    let wanted = direction.spun(*cos, *sin);
+                    let sides = [1.0, -1.0].map(|side| sideways(&wanted, side * attitude.tolerance));
+                    columns[tilts - 2..].copy_from_slice(&sides);
                 }
             }
         }

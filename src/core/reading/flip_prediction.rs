@@ -119,8 +119,8 @@ pub struct FlipPrediction {
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
     computed: u128,
-    /// Bit set of the sources that leave the error unchanged at every corner.
-    idle: u128,
+    /// Bit set of the sources that leave the error unchanged at every corner of the latest posture.
+    pub idle: u128,
     /// The latest corner; None if the posture is new.
     corner: Option<ToleranceCorner>,
     /// Largest component sizes along the rows, per unit of displacement and of rotation
@@ -317,12 +317,6 @@ impl FlipPrediction {
                 let by = motion.g.norm() + motion.w.norm() * (motion.moved_after + self.arm);
                 2.0 * (change * unit).abs() * by <= least
             })
-    }
-
-    /// Returns the bit set of the sources that leave the error unchanged at every corner. Call
-    /// [`Self::set_posture`] first.
-    pub fn idle(&self) -> u128 {
-        self.idle
     }
 
     /// Returns the prediction for a flip of the sign of source `k`.

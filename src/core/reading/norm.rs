@@ -33,8 +33,8 @@ use spectrum::Spectrum;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Step in `log z` of the trapezoidal sum for the mean of `|e|`. The sum is accurate to 5e-12, however far the
-/// mean of `e` is from zero.
+/// Step in `log z` of the trapezoidal sum for the mean of `|e|`. The sum is accurate to 5e-12, however far
+/// the mean of `e` is from zero.
 const MEAN_STEP: f64 = 0.5;
 /// Numbers of the first and the last step of this sum.
 const MEAN_RANGE: (i32, i32) = (-22, 52);
