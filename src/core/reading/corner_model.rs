@@ -156,46 +156,55 @@ impl<'a> CornerModel<'a> {
         free: &[usize],
         sizes: &mut [f64; 1 << MAX_FREE],
     ) -> Option<f64> {
-        match self.measure.rows() {
-            1 => self.predict_in_rows::<1>(corner, error, free, sizes),
-            2 => self.predict_in_rows::<2>(corner, error, free, sizes),
-            3 => self.predict_in_rows::<3>(corner, error, free, sizes),
-            _ => self.predict_in_rows::<6>(corner, error, free, sizes),
-        }
-    }
-
-    /// Predicts sizes as [`Self::predict_combinations`] does. The components after the first `R` must be 0.
-    fn predict_in_rows<const R: usize>(
-        &mut self,
-        corner: ToleranceCorner,
-        error: &CornerError,
-        free: &[usize],
-        sizes: &mut [f64; 1 << MAX_FREE],
-    ) -> Option<f64> {
-        let in_rows = |v: &Vector6<f64>| v.fixed_rows::<R>(0).into_owned();
         let prediction = self.prediction.as_mut()?;
         let (corner, sources) = (self.evaluator.of_sources(corner), &self.evaluator.sources);
         let mut margin = ROUNDING * error.size;
-        let mut alone = [SVector::<f64, R>::zeros(); MAX_FREE];
-        let mut products = [[SVector::<f64, R>::zeros(); MAX_FREE]; MAX_FREE];
+        let mut flips = CombinedFlips { count: free.len(), ..CombinedFlips::default() };
         for (a, &k) in free.iter().enumerate() {
             let flip = prediction.flip_of(k, &self.measure)?;
             margin += flip.margin;
-            alone[a] = in_rows(&flip.change);
+            flips.alone[a] = flip.change;
             for (b, &l) in free.iter().enumerate().take(a) {
-                products[a][b] = in_rows(&prediction.product_of(sources, corner, (k, l), &self.measure));
-                products[b][a] = products[a][b];
+                flips.products[a][b] = prediction.product_of(sources, corner, (k, l), &self.measure);
+                flips.products[b][a] = flips.products[a][b];
             }
         }
-        let (mut components, mut flipped) = (in_rows(&error.components), 0u32);
-        for (step, a) in gray_code(free.len()) {
-            let partners = (0..free.len()).filter(|&b| b != a && flipped >> b & 1 == 1);
-            let change = alone[a] + partners.map(|b| products[a][b]).sum::<SVector<f64, R>>();
+        match self.measure.rows() {
+            1 => flips.sizes_in_rows::<1>(&error.components, sizes),
+            2 => flips.sizes_in_rows::<2>(&error.components, sizes),
+            3 => flips.sizes_in_rows::<3>(&error.components, sizes),
+            _ => flips.sizes_in_rows::<6>(&error.components, sizes),
+        }
+        Some(margin)
+    }
+}
+
+/// Predicted changes of the error by flips of a few signs, m or rad.
+#[derive(Default)]
+struct CombinedFlips {
+    /// Number of signs. Entries of the arrays after this number are not used.
+    count: usize,
+    /// Change by the flip of each sign alone.
+    alone: [Vector6<f64>; MAX_FREE],
+    /// Additional change if both signs are flipped.
+    products: [[Vector6<f64>; MAX_FREE]; MAX_FREE],
+}
+
+impl CombinedFlips {
+    /// Writes the size of the error for every combination of the signs, in the order of [`gray_code`].
+    ///
+    /// `error` is the error before any flip. All components after the first `R` must be 0.
+    fn sizes_in_rows<const R: usize>(&self, error: &Vector6<f64>, sizes: &mut [f64; 1 << MAX_FREE]) {
+        let in_rows = |v: &Vector6<f64>| v.fixed_rows::<R>(0).into_owned();
+        let (mut components, mut flipped) = (in_rows(error), 0u32);
+        for (step, a) in gray_code(self.count) {
+            let partners = (0..self.count).filter(|&b| b != a && flipped >> b & 1 == 1);
+            let product = partners.map(|b| in_rows(&self.products[a][b])).sum::<SVector<f64, R>>();
+            let change = in_rows(&self.alone[a]) + product;
             components += if flipped >> a & 1 == 1 { -change } else { change };
             flipped ^= 1 << a;
             sizes[step] = components.norm();
         }
-        Some(margin)
     }
 }
 

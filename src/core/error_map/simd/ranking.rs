@@ -17,6 +17,10 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
+/// A group of nodes fills whole vectors of the largest number of lanes. Otherwise, this array does not
+/// compile.
+const _: [(); 0] = [(); GROUP % MAX_LANES];
+
 /// Relative and absolute margin by which a bound is lowered.
 ///
 /// The relative margin is this share of the bound. The absolute margin (m) is this number times the sum of
@@ -84,8 +88,6 @@ impl Ranker {
         attitudes: &ToolAttitudes,
         ranking: &mut NodeRanking,
     ) {
-        // A group of nodes fills whole vectors of the largest number of lanes.
-        debug_assert!(GROUP.is_multiple_of(MAX_LANES));
         let (sin, cos) = at.yaw.sin_cos();
         let row = |k: usize| self.row(&(world * self.rows[k.min(self.rows.len() - 1)]));
         let rows = &std::array::from_fn::<_, MAX_ROWS, _>(row)[..self.rows.len()];
