@@ -125,6 +125,36 @@ async function step(page, action) {
 }
 
 /**
+ * Waits until the room to place of the layout is shown, which comes last after a step.
+ * @param {Page} page
+ */
+const settled = (page) =>
+  page.waitForFunction(() => document.getElementById("room")?.getAttribute("aria-busy") === "false");
+
+/**
+ * Returns how far a step moves the Save button on the page, px, until the page has settled.
+ * @param {Page} page
+ * @param {() => Promise<unknown>} action
+ */
+async function movesSaveButton(page, action) {
+  await settled(page);
+  await page.evaluate(() => {
+    /** @type {number[]} */
+    const tops = [];
+    const look = () => {
+      const button = document.querySelector("#save button");
+      if (button) tops.push(button.getBoundingClientRect().top + window.scrollY);
+      document.body.dataset.moved = String(Math.max(...tops) - Math.min(...tops));
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  await step(page, action);
+  await settled(page);
+  return Number(await page.getAttribute("body", "data-moved"));
+}
+
+/**
  * Types a number into the form.
  * @param {Page} page
  * @param {string} name
@@ -313,7 +343,8 @@ async function testSaving(page) {
   await page.click("#save button");
   await page.waitForSelector("#saved.bad-word");
   check(!existsSync(join(folder, "outside.toml")), "no name leads out of the folder");
-  await step(page, () => type(page, X, 287));
+  const moved = await movesSaveButton(page, () => type(page, X, 287));
+  check(moved === 0, `a step leaves the Save button where it is: moved by ${moved} px`);
   const shown = Number(await error(page));
   await page.fill("#name", "by_hand");
   await page.click("#save button");

@@ -65,11 +65,16 @@ function showOperations({ operations, unit }) {
 
 /**
  * Shows how far each piece may be displaced and rotated, and what limits its room.
- * @param {RoomRecord | null} room `null` while the room is not known
+ * @param {RoomRecord | null} room `null` while the room is being computed
  */
 function showRoom(room) {
+  const block = byId("room");
+  // The block never shrinks, so the buttons below do not move away while the user clicks them.
+  block.style.minHeight = `${block.offsetHeight}px`;
+  block.setAttribute("aria-busy", String(!room));
   if (!room || room.regions.length === 0) {
-    byId("room").replaceChildren(room ? "No room to place: the layout is infeasible or misses a limit." : "");
+    const why = room ? "none, because the layout is infeasible or misses a limit" : "being computed";
+    block.replaceChildren(`Room to place: ${why}.`);
     return;
   }
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
@@ -81,7 +86,7 @@ function showRoom(room) {
   const table = make("table", {}, cells("th", ["room to place", "± mm", "± deg", "ends where"]), ...rows);
   const turn = room.whole_cell;
   const whole = turn && `The whole cell may be rotated by ${turn.turn_deg[0]} to ${turn.turn_deg[1]} deg.`;
-  byId("room").replaceChildren(table, ...(whole ? [make("p", {}, whole)] : []));
+  block.replaceChildren(table, ...(whole ? [make("p", {}, whole)] : []));
 }
 
 /**
