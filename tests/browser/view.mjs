@@ -6,7 +6,7 @@ import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } fro
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { check, checkFaults, launch, open, PATIENCE, run, usage } from "./harness.mjs";
+import { check, checkFaults, checkSoon, launch, open, PATIENCE, run, usage } from "./harness.mjs";
 
 /** @typedef {import("playwright-core").Page} Page */
 
@@ -335,6 +335,22 @@ async function testView3d(page) {
   await step(page, () => drag(page, { x: box.x + at[0], y: box.y + at[1] }, -40, -10));
   check((await number(page, X)) !== before, "a drag in the 3-D view moves equipment");
   await step(page, () => page.click("#undo"));
+  await testNarrowing(page);
+}
+
+/**
+ * Narrows and widens the window. The scale of the 3-D view must follow both changes.
+ * @param {Page} page
+ */
+async function testNarrowing(page) {
+  const size = page.viewportSize();
+  if (!size) throw new Error("the page has no fixed size");
+  const scale = () => textOf(page, ".ss-scalebar:last-child");
+  const wide = await scale();
+  await page.setViewportSize({ width: 420, height: size.height });
+  await checkSoon(async () => (await scale()) !== wide, "a narrow 3-D view has another scale");
+  await page.setViewportSize(size);
+  await checkSoon(async () => (await scale()) === wide, `a 3-D view that is wide again shows ${wide}`);
 }
 
 /** @param {Page} page */

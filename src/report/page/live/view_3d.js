@@ -127,12 +127,19 @@ class View3d {
       gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
       this.isQuick = performance.now() - began < QUICK;
       if (!this.isLookedAt) this.rest();
+      // A copy of another size would be distorted.
+      new ResizeObserver(() => this.restAfterPaint()).observe(this.host);
     });
   }
 
   /** @param {DrawingDocument} written */
   replace(written) {
     this.viewer.replace(written);
+    this.restAfterPaint();
+  }
+
+  /** Shows a still copy as soon as the picture is drawn, unless the user looks at the view. */
+  restAfterPaint() {
     if (this.isQuick || this.isLookedAt) return;
     afterPaint(() =>
       afterPaint(() => {

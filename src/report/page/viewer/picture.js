@@ -10,6 +10,15 @@ const COARSE = 0.55;
 /** Time at rest after which the full resolution is restored, ms. */
 const REST_BEFORE_FINE = 260;
 
+/** Ratio of width to height below which the camera moves back. */
+const LEAST_RATIO = 1.2;
+
+/**
+ * Returns the factor of the camera's distance with which a narrow picture still shows the whole width.
+ * @param {number} ratio of width to height
+ */
+const widening = (ratio) => Math.max(1, LEAST_RATIO / ratio);
+
 class Picture {
   /**
    * @param {View} view
@@ -140,14 +149,12 @@ class Picture {
     const box = this.stage.getBoundingClientRect();
     const [width, height] = [Math.round(box.width), Math.round(box.height)];
     if (width < 2 || height < 2) return;
-    const before = view.width / view.height;
+    const before = widening(view.width / view.height);
     view.width = width;
     view.height = height;
     this.fitCanvas(1);
     if (!this.isSized) view.camera = fittedCamera(view, "iso");
-    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell remains
-    // visible.
-    else if (width / height < before && before < 1.2) view.camera.distance *= before / (width / height);
+    else view.camera.distance *= widening(width / height) / before;
     this.isSized = true;
     this.redraw();
   }
