@@ -7,8 +7,8 @@
 //! coordinates. The refined posture must be usable, too: collision-free, allowed by the motion rules and, if
 //! demanded, certified.
 //!
-//! Layouts to build must leave room for placing their pieces. Their postures are therefore not refined up to
-//! the edge of what is certified, nor in narrow ranges.
+//! Layouts to build must leave room for placing their pieces. Their postures therefore keep a quarter of the
+//! way from the sample to the edge of what is certified, and are not refined in narrow ranges.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::outcome::Spot;
@@ -41,6 +41,9 @@ const MAX_POLLS: usize = 32;
 
 /// Number of bisections of the path from a start to a refined posture that is not usable.
 const BISECTIONS: usize = 8;
+
+/// Number of bisections for a layout to build, which does not need the exact last usable posture.
+const BISECTIONS_TO_BUILD: usize = 4;
 
 /// Least gain that counts, as a share of the value.
 const LEAST_GAIN: f64 = 1e-5;
@@ -265,9 +268,9 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Returns the posture `refined` as a candidate if it is usable. Otherwise returns the last usable
-    /// posture on the path from the start to `refined`, which is found by bisection. For a layout to build,
-    /// returns the start instead.
+    /// Returns the posture `refined` as a candidate if it is usable. Otherwise bisects the path from the start
+    /// to `refined` for its last usable posture. For a layout to build, returns a usable posture at
+    /// three quarters of the way to this last posture, or the start.
     fn last_usable(
         &self,
         start: PostureCandidate,
@@ -276,7 +279,8 @@ impl OperationQuery<'_> {
     ) -> PostureCandidate {
         let inverse = &self.placed.mapper.arm.inverse;
         let (mut usable, mut beyond, mut tried) = (start, refined.0, refined);
-        let bisections = if self.placed.demand.is_some() { 0 } else { BISECTIONS };
+        let is_to_build = self.placed.demand.is_some();
+        let bisections = if is_to_build { BISECTIONS_TO_BUILD } else { BISECTIONS };
         for _ in 0..=bisections {
             let (branch, value) = tried;
             if branch == usable.spot.branch {
@@ -291,7 +295,15 @@ impl OperationQuery<'_> {
             let middle = inverse.between(usable.spot.branch, beyond, &self.attitudes);
             tried = (middle, self.value_of(&start, middle, memory).unwrap_or(f64::INFINITY));
         }
-        usable
+        if !is_to_build || usable.spot.branch == start.spot.branch {
+            return usable;
+        }
+        let middle = inverse.between(start.spot.branch, usable.spot.branch, &self.attitudes);
+        let branch = inverse.between(middle, usable.spot.branch, &self.attitudes);
+        let value = self.value_of(&start, branch, memory).unwrap_or(f64::INFINITY);
+        let inside = at_branch(start, (branch, value));
+        let is_better = value < start.spot.value && self.is_usable(&inside, memory);
+        if is_better { inside } else { start }
     }
 
     /// Returns the value of the branch `branch` at the node of `start`; None if the branch does not exist,
