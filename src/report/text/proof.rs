@@ -9,9 +9,12 @@ use std::fmt::Write;
 /// Gap, as a share of the bound, above which a bound says nothing about the best layout found.
 const USELESS: f64 = 10.0;
 
+/// Difference of two gaps, as a share of the bound, up to which the gaps count as equal.
+const SAME: f64 = 1e-6;
+
 /// Returns the lower bound, the gap from it to the best layout found, and the operations that the bound
-/// covers.
-pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
+/// covers. `least` is the least objective found, which may be below that of the best layout.
+pub fn proven(workcell: &Workcell, gap: Option<f64>, least: Option<f64>, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };
     let unit = cell.unit();
@@ -29,7 +32,20 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
         }
         None => {}
     }
-    let _ = writeln!(out, "\n  the bound covers {covers}");
+    out.push('\n');
+    let of_least = least.filter(|_| bound > 0.0).map(|least| least / bound - 1.0);
+    if let (Some(gap), Some(of_least)) = (gap, of_least)
+        && gap <= USELESS
+        && of_least < gap - SAME
+    {
+        let of_least = super::gap(percent_from_share(of_least));
+        let _ = writeln!(
+            out,
+            "  the least objective found is {of_least} above this bound; among nearly equal layouts, the \
+             search chose one with more room"
+        );
+    }
+    let _ = writeln!(out, "  the bound covers {covers}");
     if workcell.certifies() {
         out.push_str(
             "  the bound holds for layouts without misplacement, so it also holds for layouts that \

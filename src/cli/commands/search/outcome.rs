@@ -125,7 +125,7 @@ impl<'a> SearchOutcome<'a> {
                 .iter()
                 .map(|why| format!("  {why}\n"))
                 .collect(),
-            report::text::proven(workcell, gap, &proof),
+            report::text::proven(workcell, gap, record.least, &proof),
             report::text::front(cell, record),
             format!("\n{}\n", report::text::side_by_side(comparison)),
             // If a layout has a certificate, sampled misplacements add no information.
