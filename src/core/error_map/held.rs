@@ -48,11 +48,15 @@ impl OperationQuery<'_> {
         self.kept = Some(*held);
         let target = self.target(held.at);
         let inverse = &self.placed.mapper.arm.inverse;
-        if !inverse.keeps_branches() {
-            return match held.continued(inverse, &target, &self.attitudes) {
-                Ok(found) => Ok(found.posture),
-                Err(PoseMiss { position, angle }) => Err(Status::NotConverged { position, angle }),
-            };
+        if inverse.continues_postures() {
+            let found = held.continued(inverse, &target, &self.attitudes);
+            return found.map(|found| found.posture).map_err(|PoseMiss { position, angle }| {
+                let beyond = held.continued_beyond_limits(inverse, &target, &self.attitudes);
+                match beyond.filter(|branch| branch.violation.is_some()) {
+                    Some(branch) => least_violation(&[branch]),
+                    None => Status::NotConverged { position, angle },
+                }
+            });
         }
         inverse.usable(&target, &self.attitudes, held.branch).ok_or_else(|| {
             match inverse.branch_beyond_limits(&target, &self.attitudes, held.branch) {
@@ -95,11 +99,12 @@ impl OperationQuery<'_> {
 
     /// Finds the branch in this layout that corresponds to a held posture; None if there is no such branch.
     ///
-    /// The branch may exceed a joint limit, unless the numeric solver finds it.
+    /// The branch may exceed a joint limit, unless the arm has only a numeric solver.
     pub fn branch_beyond_limits(&self, held: &HeldPosture) -> Option<Branch> {
         let (target, inverse) = (self.target(held.at), &self.placed.mapper.arm.inverse);
-        if !inverse.keeps_branches() {
-            return held.continued(inverse, &target, &self.attitudes).ok();
+        if inverse.continues_postures() {
+            let within = held.continued(inverse, &target, &self.attitudes).ok();
+            return within.or_else(|| held.continued_beyond_limits(inverse, &target, &self.attitudes));
         }
         inverse.branch_beyond_limits(&target, &self.attitudes, held.branch).ok()
     }

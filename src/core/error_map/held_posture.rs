@@ -14,10 +14,11 @@ pub struct PointSpot {
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. If the inverse kinematics has
-/// no such indices (see [`Inverse::keeps_branches`]), its solver starts at the kept joint coordinates. If
-/// the arm has six or more joints, this solver also rotates the tool about the vertical. The angle of this
-/// rotation is the difference between the new reference azimuth and the kept one ([`Self::heading`]).
+/// Closed-form inverse kinematics finds the posture again by its branch index. For other arms and for arms
+/// with seven revolute axes ([`Inverse::continues_postures`]), a numeric solver starts at the kept joint
+/// coordinates. If the arm has six or more joints, this solver also rotates the tool about the vertical. The
+/// angle of this rotation is the difference between the new reference azimuth and the kept one
+/// ([`Self::heading`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.
@@ -40,9 +41,9 @@ impl HeldPosture {
     }
 
     /// Returns the branch index with which inverse kinematics finds this posture in another layout or at
-    /// another point. The result is [`CONTINUED`] if inverse kinematics keeps no branch indices.
+    /// another point. The result is [`CONTINUED`] if a numeric solver finds the posture.
     pub fn branch_elsewhere(&self, inverse: &Inverse) -> u64 {
-        if inverse.keeps_branches() { self.branch } else { CONTINUED }
+        if inverse.continues_postures() { CONTINUED } else { self.branch }
     }
 
     /// Finds the posture at a target (base frame, m) to which the numeric solver leads from this posture.
@@ -57,5 +58,17 @@ impl HeldPosture {
     ) -> Result<Branch, PoseMiss> {
         let turn = inverse.heading(target, attitudes) - self.heading;
         inverse.continued(&self.joints, turn, target, attitudes)
+    }
+
+    /// Finds the posture of [`Self::continued`] for an arm whose joints may exceed their limits. Returns None
+    /// if no posture is found, or if the arm has only a numeric solver.
+    pub(super) fn continued_beyond_limits(
+        &self,
+        inverse: &Inverse,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Option<Branch> {
+        let turn = inverse.heading(target, attitudes) - self.heading;
+        inverse.continued_beyond_limits(&self.joints, turn, target, attitudes)
     }
 }

@@ -105,9 +105,8 @@ impl<'a> Probe<'a> {
     /// Computes the value of the operation ([`Spot::value`]) in a held posture, even if this posture
     /// collides.
     ///
-    /// If the inverse kinematics is in closed form, the posture is also allowed to exceed joint limits.
-    /// Returns None if no branch in this layout corresponds to the posture, or if the errors cannot be
-    /// computed.
+    /// The posture may exceed joint limits, unless the arm has only a numeric solver. Returns None if no branch
+    /// in this layout corresponds to the posture, or if the errors cannot be computed.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.query.branch_beyond_limits(held)?;
         self.query.value(&branch.posture, self.memory.postures).ok()
@@ -117,6 +116,18 @@ impl<'a> Probe<'a> {
     /// layout changes. Returns None if the branch does not exist at the point.
     pub fn hold(&self, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         self.query.hold(at, branch)
+    }
+
+    /// Returns a held posture at another point of the surface, in the same branch. Returns None if the branch
+    /// does not exist there.
+    ///
+    /// The result keeps the value of a redundant joint that the branch index states.
+    pub fn moved(&self, held: &HeldPosture, at: (f64, f64)) -> Option<HeldPosture> {
+        let inverse = self.inverse();
+        match inverse.continues_postures() && inverse.keeps_branches() {
+            true => self.hold(at, held.branch),
+            false => Some(held.at_point(at)),
+        }
     }
 
     /// Returns up to four postures at the point of `held`, with a redundant coordinate moved in either

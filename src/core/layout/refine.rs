@@ -171,15 +171,16 @@ fn descend(
             break;
         }
         let gained = |value: f64| value < best.value - LEAST_GAIN * best.value.abs();
-        let around = (0..DIRECTIONS).map(|k| {
+        let around = |k: usize| {
             let turn = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
             let (sin, cos) = (GOLDEN_ANGLE * poll as f64 + turn).sin_cos();
             let x = inside(best.posture.at.0 + step * cos, area.centre.0, area.size.0);
             let y = inside(best.posture.at.1 + step * sin, area.centre.1, area.size.1);
-            best.posture.at_point((x, y))
-        });
+            probe.moved(&best.posture, (x, y))
+        };
+        let around: Vec<HeldPosture> = (0..DIRECTIONS).filter_map(around).collect();
         let beside = probe.beside(&best.posture, step / first_step / 2.0);
-        let candidates = around.chain(beside).filter_map(|posture| {
+        let candidates = around.into_iter().chain(beside).filter_map(|posture| {
             let is_apart = probe.distance_from_touched(posture.at) >= apart;
             let value = is_apart.then(|| probe.holding(&posture).ok()).flatten()?;
             Some(PointSpot { posture, value }).filter(|_| gained(value))

@@ -43,9 +43,8 @@ pub struct Inverse {
     pub(super) template: Posture,
     /// Last joint, if it alone rotates the tool about the tool axis; None if other joints must move, too.
     pub(super) last_joint: Option<SpinJoint>,
-    /// Numeric solver that [`Inverse::continued`] uses if the branches of `solver` do not keep their indices.
-    ///
-    /// The field is None if the branches keep their indices, or if `solver` is numeric itself.
+    /// Numeric solver that [`Inverse::continued`] uses. None if `solver` is numeric itself, or finds the
+    /// posture at a neighbouring target by its branch index.
     pub(super) follower: Option<Box<Numeric>>,
 }
 
@@ -226,7 +225,7 @@ impl Inverse {
             all.sort_by_key(|branch| branch.index >> 4);
         }
         match &self.follower {
-            Some(_) if all.is_empty() => self.reason(target, attitudes),
+            Some(_) if all.is_empty() && !self.keeps_branches() => self.reason(target, attitudes),
             _ if all.is_empty() => Reach::OutOfReach { by },
             _ => Reach::Branches(all),
         }

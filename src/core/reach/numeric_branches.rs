@@ -25,13 +25,18 @@ const START_BITS: u32 = 16;
 
 impl Inverse {
     /// Returns whether every branch keeps its index while the target moves, except at singular postures.
-    ///
-    /// If the result is false, [`Self::continued`] computes the posture at a neighbouring target.
     pub fn keeps_branches(&self) -> bool {
-        self.numeric_solver().is_none()
+        self.solver.keeps_branches()
     }
 
-    /// Returns the numeric solver of an arm whose branches do not keep their indices; otherwise None.
+    /// Returns whether [`Self::continued`] computes the posture at a neighbouring target. Otherwise the
+    /// branch index finds this posture.
+    pub fn continues_postures(&self) -> bool {
+        self.numeric_solver().is_some()
+    }
+
+    /// Returns the numeric solver that computes the posture at a neighbouring target; None if the branch
+    /// index finds this posture.
     pub(super) fn numeric_solver(&self) -> Option<&Numeric> {
         match &self.solver {
             ChainSolver::Numeric(numeric) => Some(numeric),
@@ -136,8 +141,8 @@ impl Inverse {
     ///
     /// # Errors
     /// Returns the remaining errors of position and orientation if the numeric solver finds no solution. If
-    /// the branches of the arm keep their indices ([`Self::keeps_branches`]), the function tries nothing, and
-    /// both errors are infinite.
+    /// the arm has no such solver ([`Self::continues_postures`]), the function tries nothing, and both errors
+    /// are infinite.
     pub fn continued(
         &self,
         from: &JointVector,
@@ -145,6 +150,33 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
     ) -> Result<Branch, PoseMiss> {
+        let joints = self.continued_by(Numeric::following, (from, turn), target, attitudes)?;
+        Ok(self.numeric_branch(CONTINUED, &joints))
+    }
+
+    /// Returns the branch of [`Self::continued`] for an arm whose joints may exceed their limits. Returns None
+    /// if no solution is found, or if the arm has only a numeric solver.
+    pub fn continued_beyond_limits(
+        &self,
+        from: &JointVector,
+        turn: f64,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Option<Branch> {
+        self.follower.as_ref()?;
+        let follow = Numeric::following_beyond_limits;
+        let joints = self.continued_by(follow, (from, turn), target, attitudes).ok()?;
+        Some(self.branch(CONTINUED, &self.chain.posture(&joints), target, attitudes))
+    }
+
+    /// Returns the joint coordinates of [`Self::continued`], which `follow` computes for each goal.
+    fn continued_by(
+        &self,
+        follow: impl Fn(&Numeric, &TcpGoal, &JointVector, Option<usize>) -> Result<JointVector, PoseMiss>,
+        (from, turn): (&JointVector, f64),
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Result<JointVector, PoseMiss> {
         let Some(numeric) = self.numeric_solver() else { return Err(PoseMiss::UNTRIED) };
         let frames = self.chain.frames(&self.chain.posture(from));
         let (goals, held) = match self.chain.axes() {
@@ -157,7 +189,7 @@ impl Inverse {
         };
         let (mut best, mut missed) = (None, PoseMiss::UNTRIED);
         for goal in &goals {
-            match numeric.following(goal, from, held) {
+            match follow(numeric, goal, from, held) {
                 Ok(joints) => {
                     let off = joints.iter().zip(from).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                     if best.is_none_or(|(least, _)| off < least) {
@@ -168,8 +200,7 @@ impl Inverse {
                 Err(_) => {}
             }
         }
-        let (_, joints) = best.ok_or(missed)?;
-        Ok(self.numeric_branch(CONTINUED, &joints))
+        best.map(|(_, joints)| joints).ok_or(missed)
     }
 
     fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<NumericSolution>) -> Shortfall {

@@ -7,6 +7,7 @@ use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;
 use super::numeric::Numeric;
 use super::pose_solver::PoseSolver;
+use crate::cell::JointKind;
 use crate::robot::Chain;
 
 /// Inverse kinematics of one chain.
@@ -53,10 +54,25 @@ impl ChainSolver {
 
     /// Returns a numeric solver that computes the posture at a neighbouring target from a given posture.
     ///
-    /// Returns None if the branches of `self` keep their indices, or if `self` is numeric itself.
+    /// The result is None if `self` is numeric itself. Otherwise there are two kinds of arms with such a
+    /// solver: arms whose branches do not keep their indices, and arms with seven revolute axes. Which joint
+    /// of the latter should not move depends on the posture.
     pub fn follower(&self, chain: &Chain) -> Option<Box<Numeric>> {
-        let lacks = matches!(self, Self::Pose(solver) if !solver.keeps_branches());
-        lacks.then(|| Box::new(Numeric::new(chain)))
+        let follows = match self {
+            Self::Pose(_) => !self.keeps_branches(),
+            Self::Redundant(_) => chain.links.iter().all(|link| link.kind == JointKind::Revolute),
+            Self::Planar(_) | Self::Numeric(_) => false,
+        };
+        follows.then(|| Box::new(Numeric::new(chain)))
+    }
+
+    /// Returns whether every branch keeps its index while the target moves, except at singular postures.
+    pub fn keeps_branches(&self) -> bool {
+        match self {
+            Self::Pose(solver) => solver.keeps_branches(),
+            Self::Planar(_) | Self::Redundant(_) => true,
+            Self::Numeric(_) => false,
+        }
     }
 
     /// Returns whether a solver for a whole pose solves the last joint.

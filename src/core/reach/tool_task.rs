@@ -88,6 +88,9 @@ impl Inverse {
             }
             ChainSolver::Pose(solver) if solver.is_scara() => task(None, &[along(Vector3::z())], true),
             ChainSolver::Pose(_) => task(None, &whole, true),
+            ChainSolver::Redundant(_) if self.follower.is_some() => {
+                task(Some(best_held(&self.chain, frames)), &whole, true)
+            }
             ChainSolver::Redundant(joint) => task(Some(joint.index()), &whole, true),
             ChainSolver::Numeric(_) if set.tolerance > 0.0 => None,
             ChainSolver::Numeric(_) => match axes {

@@ -72,6 +72,16 @@ impl JointRanges {
         Self(ranges)
     }
 
+    /// Returns these ranges, extended at both ends: by a turn for a revolute joint, and by the whole travel for
+    /// a prismatic joint.
+    pub fn widened(&self) -> Self {
+        let widened = |range: &JointRange| {
+            let by = if range.kind == JointKind::Revolute { TAU } else { range.hi - range.lo };
+            JointRange { lo: range.lo - by, hi: range.hi + by, ..*range }
+        };
+        Self(self.0.iter().map(widened).collect())
+    }
+
     /// Returns the range of every joint.
     pub fn ranges(&self) -> &[JointRange] {
         &self.0

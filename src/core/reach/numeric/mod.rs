@@ -160,9 +160,34 @@ impl Numeric {
         start: &JointVector,
         held: Option<usize>,
     ) -> Result<JointVector, PoseMiss> {
+        self.following_within(self.joints.holding(held, start), goal, start)
+    }
+
+    /// Returns the solution of [`Self::following`] for an arm whose joints may exceed their limits.
+    ///
+    /// # Errors
+    /// Returns the remaining errors of position and orientation if the descent finds no solution.
+    pub fn following_beyond_limits(
+        &self,
+        goal: &TcpGoal,
+        start: &JointVector,
+        held: Option<usize>,
+    ) -> Result<JointVector, PoseMiss> {
+        self.following_within(self.joints.widened().holding(held, start), goal, start)
+    }
+
+    /// Returns the solution that a descent from `start` finds within the ranges `joints`.
+    ///
+    /// # Errors
+    /// Returns the remaining errors of position and orientation if the descent finds no solution.
+    fn following_within(
+        &self,
+        joints: JointRanges,
+        goal: &TcpGoal,
+        start: &JointVector,
+    ) -> Result<JointVector, PoseMiss> {
         let goal = goal.checked().ok_or(PoseMiss::UNTRIED)?;
-        let (chain, joints) = (self.chain.clone(), self.joints.holding(held, start));
-        let solver = Self { chain, joints, scale: self.scale, starts: Starts::default() };
+        let solver = Self { chain: self.chain.clone(), joints, scale: self.scale, starts: Starts::default() };
         let (start, mut frames) = (solver.joints.kept(start), Frames::default());
         if let Some(found) = solver.descend_fast(&goal, &start, &mut frames) {
             return Ok(found);
