@@ -49,14 +49,10 @@ impl OperationQuery<'_> {
         let target = self.target(held.at);
         let inverse = &self.placed.mapper.arm.inverse;
         if inverse.continues_postures() {
-            let found = held.continued(inverse, &target, &self.attitudes);
-            return found.map(|found| found.posture).map_err(|PoseMiss { position, angle }| {
-                let beyond = held.continued_beyond_limits(inverse, &target, &self.attitudes);
-                match beyond.filter(|branch| branch.violation.is_some()) {
-                    Some(branch) => least_violation(&[branch]),
-                    None => Status::NotConverged { position, angle },
-                }
-            });
+            return match held.continued(inverse, &target, &self.attitudes) {
+                Ok(found) => Ok(found.posture),
+                Err(PoseMiss { position, angle }) => Err(Status::NotConverged { position, angle }),
+            };
         }
         inverse.usable(&target, &self.attitudes, held.branch).ok_or_else(|| {
             match inverse.branch_beyond_limits(&target, &self.attitudes, held.branch) {
@@ -64,6 +60,14 @@ impl OperationQuery<'_> {
                 Err(by) => Status::OutOfReach { by },
             }
         })
+    }
+
+    /// Returns the reason for the status of a held posture. If the numeric solver did not converge because a
+    /// joint is at its limit, the result names this joint. Otherwise, the result is the status itself.
+    pub fn reason(&self, held: &HeldPosture, status: Status) -> Status {
+        let Status::NotConverged { .. } = status else { return status };
+        let branch = self.branch_beyond_limits(held).filter(|branch| branch.violation.is_some());
+        branch.map_or(status, |branch| least_violation(&[branch]))
     }
 
     /// Checks that a held posture, transferred to this layout, is collision-free. Also

@@ -102,6 +102,11 @@ impl<'a> Probe<'a> {
         self.query.keeps_free(held, self.memory.postures)
     }
 
+    /// Returns the reason for the status of a held posture, which may name a joint at its limit.
+    pub fn reason(&self, held: &HeldPosture, status: Status) -> Status {
+        self.query.reason(held, status)
+    }
+
     /// Computes the value of the operation ([`Spot::value`]) in a held posture, even if this posture
     /// collides.
     ///

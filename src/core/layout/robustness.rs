@@ -296,8 +296,10 @@ impl HeldOperation<'_> {
     fn first_end(&self, unit: &[Moves], size: f64) -> Option<(usize, MisplacementEnd)> {
         // Without a limit, the function checks only whether the postures can be used.
         let ask: AskHeld = match self.limit {
-            Some(_) => |probe, held| probe.holding(held),
-            None => |probe, held| probe.keeps_free(held).map(|()| 0.0),
+            Some(_) => |probe, held| probe.holding(held).map_err(|status| probe.reason(held, status)),
+            None => |probe, held| {
+                probe.keeps_free(held).map(|()| 0.0).map_err(|status| probe.reason(held, status))
+            },
         };
         let end = |memory: &mut MapperWorkspace, (k, moves): (usize, &Moves)| {
             let moves: Moves = moves.iter().map(|(slot, by)| (*slot, size * by)).collect();
