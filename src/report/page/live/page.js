@@ -42,6 +42,8 @@ class Page {
       byId(id).addEventListener("change", () => this.changeQuestion());
     }
     document.addEventListener("keydown", (event) => this.pressKey(event));
+    // Texts break differently in a window of another width, so the height kept by showRoom no longer fits.
+    addEventListener("resize", () => byId("room").style.removeProperty("min-height"));
     new ResizeObserver(() => {
       if (!this.plan.held) this.plan.draw(this.now.answer);
     }).observe(byId("plan"));
@@ -144,7 +146,7 @@ class Page {
     // The map is drawn first, because the 3-D view is slow without a graphics card.
     afterPaint(() => this.refreshView3d());
     clearTimeout(this.pauseTimer);
-    showRoom(null);
+    showRoom(ROOM_IN_WORK);
     this.pauseTimer = setTimeout(async () => {
       await this.refreshReach();
       await this.refreshRoom();
@@ -187,6 +189,7 @@ class Page {
       const room = await ask("room");
       if (revision === this.now.revision) showRoom(room);
     } catch (error) {
+      showRoom("not known");
       showFault(messageOf(error));
     }
   }

@@ -63,17 +63,20 @@ function showOperations({ operations, unit }) {
   byId("operations").replaceChildren(head, ...rows);
 }
 
+/** State of the room to place while the server computes it. */
+const ROOM_IN_WORK = "being computed";
+
 /**
  * Shows how far each piece may be displaced and rotated, and what limits its room.
- * @param {RoomRecord | null} room `null` while the room is being computed
+ * @param {RoomRecord | string} room record, or a phrase that states why there is none
  */
 function showRoom(room) {
   const block = byId("room");
   // The block never shrinks, so the buttons below do not move away while the user clicks them.
-  block.style.minHeight = `${block.offsetHeight}px`;
-  block.setAttribute("aria-busy", String(!room));
-  if (!room || room.regions.length === 0) {
-    const why = room ? "none, because the layout is infeasible or misses a limit" : "being computed";
+  block.style.minHeight = `${block.getBoundingClientRect().height}px`;
+  block.setAttribute("aria-busy", String(room === ROOM_IN_WORK));
+  if (typeof room === "string" || room.regions.length === 0) {
+    const why = typeof room === "string" ? room : "none, because the layout is infeasible or misses a limit";
     block.replaceChildren(`Room to place: ${why}.`);
     return;
   }
