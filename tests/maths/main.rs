@@ -10,6 +10,7 @@ mod allocation;
 mod assessment;
 mod attitude;
 mod bound;
+mod bound_conditions;
 mod calibration;
 mod cells;
 mod certificate;

@@ -294,9 +294,9 @@ fn near(body: &CollisionBody, relative: &pm::Pose, bounds: &Aabb, by: f64) -> bo
 }
 
 /// Shape before its rounding, and the radius (m) of the rounding.
-type Core<'b> = (&'b dyn Shape, f64);
+pub(super) type Core<'b> = (&'b dyn Shape, f64);
 
-fn core(body: &CollisionBody) -> Core<'_> {
+pub(super) fn core(body: &CollisionBody) -> Core<'_> {
     match (&body.unswollen, body.shape.as_capsule()) {
         (Some((shape, by)), _) => (&**shape, *by),
         (None, Some(capsule)) => (&capsule.segment, capsule.radius),

@@ -195,6 +195,29 @@ impl FloorPlan {
         rise(self.equipment[i].heights.known_at(at.z), heights)
     }
 
+    /// Returns a lower bound, m, of the distance in plan between the axis of the robot base and a point on a
+    /// piece of equipment, over all layouts without an overlap of the two. The point is given in the frame of
+    /// the equipment. `z` is the range of the height of this frame above the base frame, m.
+    ///
+    /// A strip whose sides are parallel to a side of one of the two floor spaces lies between them. The width
+    /// of this strip is at least the required distance. The axis and the point are at least as far from the
+    /// strip as from the border of their floor space. The bound is 0 if the equipment may stand above or
+    /// below the base.
+    pub fn least_distance_from_base(&self, equipment: usize, z: (f64, f64), point: PlanePoint) -> f64 {
+        let room = self.room[equipment] + self.base_room;
+        // The vertical distance is a convex function of the height, so it is greatest at an end of the range.
+        let is_level = [z.0, z.1].iter().all(|z| {
+            let [at, base] = [*z, 0.0].map(|z| Placement::from_values([0.0, 0.0, z, 0.0]));
+            self.is_near(self.rise_from_base(equipment, &at, &base), room)
+        });
+        let axis = depth_of(&self.base, (0.0, 0.0));
+        if !self.enabled || !is_level || axis < 0.0 {
+            return 0.0;
+        }
+        let strip = self.wanted(room) - TOUCHING;
+        (axis + strip + depth_of(&self.equipment[equipment].footprint, point)).max(0.0)
+    }
+
     /// Returns whether a vertical distance, m, is below the clearance plus the extra distance `room`.
     fn is_near(&self, rise: f64, room: Room) -> bool {
         rise < self.clearance + room.height - TOUCHING
@@ -349,6 +372,14 @@ impl std::ops::Add for Room {
     fn add(self, other: Self) -> Self {
         Self { plan: self.plan + other.plan, height: self.height + other.height }
     }
+}
+
+/// Returns the distance of a point inside a rectangle from its border, m. If the point is outside, the result
+/// is the negative distance of the point from the rectangle.
+fn depth_of(r: &Rectangle, point: PlanePoint) -> f64 {
+    let outside = |at: f64, centre: f64, size: f64| (at - centre).abs() - size / 2.0;
+    let (x, y) = (outside(point.0, r.centre.0, r.size.0), outside(point.1, r.centre.1, r.size.1));
+    if x.max(y) <= 0.0 { -x.max(y) } else { -x.max(0.0).hypot(y.max(0.0)) }
 }
 
 /// Returns the distance from the origin to the farthest point of a rectangle, m.

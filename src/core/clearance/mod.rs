@@ -36,6 +36,7 @@ mod placed_solids;
 mod robot_solids;
 mod scene;
 mod self_collision_pairs;
+mod self_overlap;
 mod spacing;
 
 pub use arm_part::ArmPart;

@@ -37,6 +37,9 @@ pub(super) struct RobotSolid {
     /// The solid as a box enlarged by [`TOUCHING`], and the pose of the box in the carrier frame; None for
     /// other shapes.
     pub(super) cuboid: Option<(Pose, BoundingBox)>,
+    /// Two points on the axis of a solid of revolution, in the carrier frame; both are the centre of a sphere.
+    /// The field is None for other shapes.
+    pub(super) axis: Option<[Vector3<f64>; 2]>,
     /// Radius (m) with which the capsule `core` contains all `bodies`; infinite if no such radius is known.
     reach: f64,
 }
@@ -119,6 +122,13 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
             Shape::Box { pose, size } => {
                 let half = (size / 2.0).add_scalar(TOUCHING);
                 Some((*mount * *pose, BoundingBox { centre: Vector3::zeros(), half, is_solid: true }))
+            }
+            _ => None,
+        },
+        axis: match &solid.shape {
+            Shape::Sphere { centre, .. } => Some([mount.transform(centre); 2]),
+            Shape::Capsule { a, b, .. } | Shape::Cylinder { a, b, .. } => {
+                Some([a, b].map(|end| mount.transform(end)))
             }
             _ => None,
         },

@@ -222,7 +222,7 @@ impl Scene {
 
     /// Returns the first self-collision of the robot in which the solid farther along the chain belongs to
     /// `part`.
-    fn own_hit(
+    pub(super) fn own_hit(
         &self,
         part: ArmPart,
         frames: &LinkFrames,

@@ -66,7 +66,7 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     let free = free_coordinates(workcell);
     let mut moved = layout.clone();
     let mut overlaps = Vec::new();
-    let plan = if workcell.certifies() { &workcell.wide } else { &workcell.plan };
+    let plan = workcell.floor_plan();
     for _ in 0..MAX_PROGRAMS {
         plan.overlaps(&moved, &mut overlaps);
         if overlaps.is_empty() {

@@ -148,6 +148,16 @@ impl Workcell {
         Demand { cell: &self.cell, misplacements, value: None }
     }
 
+    /// Returns the solids of the cell.
+    pub(crate) fn scene(&self) -> &Scene {
+        self.mapper.scene()
+    }
+
+    /// Returns the floor plan in which the floor spaces of a feasible layout do not overlap.
+    pub(crate) fn floor_plan(&self) -> &FloorPlan {
+        if self.certifies { &self.wide } else { &self.plan }
+    }
+
     /// Returns the inverse kinematics of the arm.
     pub fn inverse(&self) -> &Inverse {
         self.mapper.inverse()

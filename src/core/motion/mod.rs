@@ -15,6 +15,7 @@ mod transfer;
 pub use continuous_collision::{PathHit, PathSlack, RESOLUTION, first_hit};
 pub use guard::{Guard, Hindrance, LineEnds, PostureRefusal};
 pub use measures::{Measures, measures, singularity};
+pub use motion_bounds::MotionBounds;
 pub use straight_line::{DEVIATION, Stopped, straight};
 pub use transfer::{
     Blocked, KnownLines, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel, nearest_turns,

@@ -26,7 +26,7 @@ use nalgebra::Vector3;
 
 /// Upper bounds of the motion of points on the robot during a part of a path.
 #[derive(Clone, Copy)]
-pub(super) struct MotionBounds<'c> {
+pub struct MotionBounds<'c> {
     chain: &'c Chain,
     /// Change of each D-H coordinate on a straight move, or an upper bound of its absolute value, rad or m.
     travel: JointVector,
@@ -39,6 +39,18 @@ impl<'c> MotionBounds<'c> {
     pub fn of_move(chain: &'c Chain, from: &JointVector, to: &JointVector) -> Self {
         let travel = changes(chain, from, to);
         Self { chain, travel, offsets: offsets(chain, [from, to]) }
+    }
+
+    /// Returns the bounds of the motion from a posture to all postures near it. `travel` is the largest change
+    /// of each D-H coordinate, rad or m.
+    pub fn around(chain: &'c Chain, joints: &JointVector, travel: JointVector) -> Self {
+        let mut offsets = offsets(chain, [joints]);
+        for ((range, by), link) in offsets.iter_mut().zip(travel).zip(&chain.links) {
+            if link.kind == JointKind::Prismatic {
+                *range = (range.0 - by, range.1 + by);
+            }
+        }
+        Self { chain, travel, offsets }
     }
 
     /// Returns bounds of the motion along a path from its knot `middle` to either end. The bounds hold for

@@ -8,9 +8,9 @@
 //! box. The error of the bound then decreases with the square of the size of the box. Boxes therefore need
 //! not become small where constraints are active.
 
-use super::joint_box::JointBox;
+use super::joint_box::{ContractedBox, JointBox, widest};
 use super::task::Task;
-use super::witness::{Witness, near};
+use super::witness::{Witness, kept_near, near};
 use crate::cell::JointVector;
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
@@ -21,6 +21,8 @@ use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which the search looks for a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
+/// Largest number of boxes that are examined to prove that no posture satisfies the constraints.
+const MAX_EMPTY_BOXES: usize = 200;
 /// Margin subtracted from the bound to allow for rounding errors. The margin is the bound times this number,
 /// plus this number in m or rad.
 ///
@@ -83,11 +85,9 @@ pub(super) fn least(
             let Some(witness) = near(task, part.centre().0, &part.low, &part.high, &mut memory) else {
                 continue;
             };
-            let Witness { value, joints, ceiling } = witness;
-            upper = upper.min(value).min(ceiling);
-            if found.best.is_none_or(|(best, _)| value < best) {
-                found.best = Some((value, joints));
-            }
+            let Witness { value, ceiling } = witness;
+            upper = upper.min(ceiling).min(value.map_or(f64::INFINITY, |(value, _)| value));
+            found.best = found.best.into_iter().chain(value).min_by(|a, b| a.0.total_cmp(&b.0));
         }
         // A box too small to bisect keeps its bound.
         round.retain(|part| {
@@ -95,8 +95,15 @@ pub(super) fn least(
             found.bound = if is_point { found.bound.min(part.bound) } else { found.bound };
             !is_point
         });
+        // A box is checked for self-collision only if its bound is too low.
+        let judged = |half: JointBox| {
+            let half = half.judged(task)?;
+            let (centre, radii) = half.centre();
+            let is_open = half.bound < enough(upper);
+            (!(is_open && task.collides_with_itself(&centre, &radii))).then_some(half)
+        };
         let halves: Vec<[Option<JointBox>; 2]> =
-            round.par_iter().map(|part| part.halves(part.cut).map(|half| half.judged(task))).collect();
+            round.par_iter().map(|part| part.halves(part.cut).map(judged)).collect();
         for mut part in halves.into_iter().flatten().flatten() {
             (part.number, found.boxes) = (found.boxes, found.boxes + 1);
             // A box whose bound already suffices is not bisected again. Only its bound is kept.
@@ -112,6 +119,25 @@ pub(super) fn least(
     }
     found.bound = lowered(found.bound);
     Some(found)
+}
+
+/// Returns whether certainly no posture satisfies the constraints. The result is false if this is not proven
+/// within [`MAX_EMPTY_BOXES`] boxes.
+pub(super) fn is_empty(task: &Task<'_>) -> bool {
+    let mut open = vec![JointBox::whole(task)];
+    for _ in 0..MAX_EMPTY_BOXES {
+        let Some(part) = open.pop() else { return true };
+        let Some(ContractedBox { part, .. }) = part.contracted(task) else { continue };
+        let (centre, radii) = part.centre();
+        if task.collides_with_itself(&centre, &radii) {
+            continue;
+        }
+        if kept_near(task, centre, &part.low, &part.high).is_some() {
+            return false;
+        }
+        open.extend(part.halves(widest(None, &radii, task.coordinates.count)));
+    }
+    false
 }
 
 /// Returns a bound (m or rad) lowered by the margin for rounding errors, but at least 0.

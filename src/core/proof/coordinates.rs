@@ -156,6 +156,15 @@ impl Coordinates {
         theta
     }
 
+    /// Returns the largest change of each joint displacement theta in a box with the half widths `radii`.
+    pub fn theta_radii(&self, radii: &JointValues) -> JointValues {
+        let mut most = [0.0; MAX_JOINTS];
+        for (most, row) in most.iter_mut().zip(&self.to_theta).take(self.count) {
+            *most = row.iter().zip(radii).map(|(d, r)| d.abs() * r).sum();
+        }
+        most
+    }
+
     /// Returns the displacement of each actuator from the middle of its limits, for the coordinates `y`.
     pub fn actuators(&self, y: &JointValues) -> JointValues {
         let mut q = [0.0; MAX_JOINTS];

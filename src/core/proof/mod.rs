@@ -1,9 +1,17 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
-//! The problem is relaxed. Collisions and overlaps are ignored. Each operation chooses its spot
-//! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
-//! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
-//! joint coordinates within their limits.
+//! The problem is relaxed. Each operation chooses its spot independently, anywhere within the operation's
+//! ranges of height, tool elevation and distance from the robot base ([`OperationRegion`]). Only the posture
+//! remains unknown, so the least error is a minimum over joint coordinates within their limits. Collisions
+//! with the surroundings and overlaps between pieces of equipment are ignored. The following conditions of a
+//! feasible layout are kept:
+//!
+//! - The robot does not collide with itself (`self_collision`).
+//! - The equipment of the operation does not overlap the robot base in plan, which limits the distance of a
+//!   node from the base axis (`region`).
+//! - The arm reaches the ends of approach and retract lines. For layouts that must withstand misplacements,
+//!   it also reaches the misplaced spots (`surroundings`).
+//! - All operations share one height of the robot base (`base_height`).
 //!
 //! The search divides the ranges of the joint coordinates into boxes. In many cases, these boxes need no
 //! coordinate of the first or the last joint. The errors after the first joint act in directions that rotate
@@ -35,7 +43,11 @@
 //! | `first_joint`, `last_joint` | joints without a coordinate, and errors whose directions they rotate |
 //! | `base_rows` | the sense in the base frame |
 //! | `task` | one operation, prepared for bounding |
-//! | `node_radii` | operations that happen at every node |
+//! | `planar_arm` | the plane in which a planar arm moves |
+//! | `self_collision`, `surroundings` | boxes and spots that no feasible layout can use |
+//! | `node_radii` | bounds over height, elevation and distance from the base axis, for one node or every node |
+//! | `base_height` | the height of the base that all operations share |
+//! | `operation_bound`, `refusal` | the bound of one operation, and operations without a bound |
 //! | `joint_box` | a box of joint coordinates, its contraction by the constraints, and the bound in the box |
 //! | `value_field` | lower bounds over the height of a node and its distance from the base axis |
 //! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
@@ -45,6 +57,7 @@
 //! values is at least the largest weighted bound. If no bound is known for the value of an operation, 0 is
 //! used as the bound of this value.
 
+mod base_height;
 mod base_rows;
 mod branch_and_bound;
 mod configuration_choice;
@@ -55,14 +68,20 @@ mod last_joint;
 mod linear_effects;
 mod node_radii;
 mod nonlinear_error;
+mod operation_bound;
+mod planar_arm;
+mod refusal;
 mod region;
 mod rigid_factors;
+mod self_collision;
+mod surroundings;
 mod task;
 mod taylor_model;
 mod value_bound;
 mod value_field;
 mod witness;
 
+pub use planar_arm::Lean;
 pub use region::OperationRegion;
 pub use value_bound::tangent;
 pub use value_field::{LAYOUTS_WORTH_A_FIELD, rank_nodes, value_fields, why_no_field};
@@ -70,11 +89,11 @@ pub use value_field::{LAYOUTS_WORTH_A_FIELD, rank_nodes, value_fields, why_no_fi
 use crate::cell::{JointVector, Quantity, Reading};
 use crate::layout::{Workcell, combined};
 use crate::safe_text::shown;
-use node_radii::least_of_all_nodes;
+use base_height::least_of_shared_height;
+use operation_bound::{NodesBounded, of_regions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
-use task::Task;
 
 /// Limits on the effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,8 +117,8 @@ impl Default for ProofOptions {
 /// Reason why an operation has no bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhyNot {
-    /// No posture within the joint limits has the height and attitude of the operation. Therefore no layout
-    /// is feasible.
+    /// No posture within the joint limits and without self-collision has the height and attitude of the
+    /// operation beside the robot base. Therefore no layout is feasible.
     Infeasible,
     /// The operation places a part, and its error is relative to the error of the operation that picks the
     /// part.
@@ -139,7 +158,7 @@ impl WhyNot {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Infeasible => {
-                "no posture within the joint limits has the height and attitude of the operation"
+                "no posture within the joint limits and without self-collision has the height and attitude of the operation beside the robot base"
             }
             Self::Relative => "its error is relative to the operation that picks the part",
             Self::Registered => "a registration removes part of its error",
@@ -169,13 +188,16 @@ impl WhyNot {
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationBound {
     /// Lower bound of the value at any spot in any layout, m or rad, or the reason why there is no bound.
+    ///
+    /// If the operations share a variable height of the base, the bound of an operation at every node is that
+    /// of its best node alone. [`Proof::bound`] takes every node into account.
     pub value: Result<f64, WhyNot>,
     /// Number of boxes of joint coordinates that were examined.
     pub boxes: u64,
     /// Least value found, with the joint coordinates of the posture that gives this value.
     ///
     /// The posture stays within the joint limits. It also stays within the ranges that height, tool
-    /// elevation and distance from the robot base cover over all layouts. Collisions are ignored.
+    /// elevation and distance from the robot base cover over all layouts. Collisions with the surroundings are ignored.
     pub witness: Option<(f64, JointVector)>,
 }
 
@@ -239,9 +261,9 @@ impl Proof {
     /// The bounds apply to first-order values, and say nothing about values computed from samples.
     pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {
         let mut operations = self.operations.clone();
-        let bounded = operations.iter_mut().enumerate().filter(|(_, bound)| bound.value.is_ok());
-        bounded.filter(|(k, _)| is_refuted(*k)).for_each(|(_, bound)| bound.value = Err(WhyNot::Refuted));
-        Self::new(workcell, operations, self.interrupted)
+        let refuted = operations.iter_mut().enumerate().filter(|(k, o)| o.value.is_ok() && is_refuted(*k));
+        let count = refuted.map(|(_, o)| o.value = Err(WhyNot::Refuted)).count();
+        if count == 0 { self.clone() } else { Self::new(workcell, operations, self.interrupted) }
     }
 
     /// Returns the largest share by which another layout could still reduce `objective` (m or rad). Returns
@@ -261,9 +283,13 @@ impl Proof {
                 Some(format!("{}: {why}", shown(&operation.name)))
             })
             .collect();
-        let mut relaxed =
-            "each operation alone at its best spot in any layout, and ignores collisions and overlaps"
-                .to_string();
+        let spots = match base_height::is_shared(&workcell.cell) {
+            true => "each operation at its best spot in any layout, all with one height of the robot base",
+            false => "each operation alone at its best spot in any layout",
+        };
+        let mut relaxed = format!(
+            "{spots}; it ignores collisions with the surroundings and overlaps between pieces of equipment"
+        );
         let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
         if workcell.cell.reading == Reading::Statistical && percentiles {
             relaxed += "; it assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
@@ -285,79 +311,21 @@ impl Proof {
 /// The result is deterministic. Once `stop` is set, the proof ends after the current round of boxes. The
 /// result then has the bound proven so far.
 pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> Proof {
+    let shares_height = base_height::is_shared(&workcell.cell);
+    let nodes = if shares_height { NodesBounded::One } else { NodesBounded::Every };
     let mut interrupted = false;
     let operations: Vec<OperationBound> = (0..workcell.cell.operations.len())
         .map(|k| {
             let known = options.known.as_ref().and_then(|values| values.get(k).copied());
-            let regions = OperationRegion::all(&workcell.cell, k, workcell.inverse().fixed_elevation());
-            let (bound, stopped) = of_regions(workcell, &regions, known, options, stop);
+            let regions = OperationRegion::beside_base(&workcell.cell, k, workcell);
+            let (bound, stopped) = of_regions(workcell, &regions, nodes, known, options, stop);
             interrupted |= stopped;
             bound
         })
         .collect();
-    Proof::new(workcell, operations, interrupted)
-}
-
-/// Returns a lower bound of the value of one operation over several regions. The bound is the least of the
-/// bounds over the single regions.
-///
-/// The second result states whether the proof was interrupted.
-fn of_regions(
-    workcell: &Workcell,
-    regions: &[OperationRegion],
-    known: Option<f64>,
-    options: &ProofOptions,
-    stop: &AtomicBool,
-) -> (OperationBound, bool) {
-    let (mut all, mut interrupted) =
-        (OperationBound { value: Err(WhyNot::Infeasible), boxes: 0, witness: None }, false);
-    for region in regions {
-        let best = all.witness.map(|w| w.0).into_iter().chain(known).reduce(f64::min);
-        let (mut one, stopped) = of_operation(workcell, region, best, options, stop);
-        interrupted |= stopped;
-        let values = one.value.ok().map(|start| (start, known.unwrap_or(f64::INFINITY)));
-        let raised = values.and_then(|values| least_of_all_nodes(workcell, region, values, options, stop));
-        if let Some((bound, boxes)) = raised {
-            one.value = one.value.map(|start| if bound.is_finite() { bound } else { start });
-            one.boxes += boxes;
-        }
-        all.boxes += one.boxes;
-        let by_value = |a: &(f64, JointVector), b: &(f64, JointVector)| a.0.total_cmp(&b.0);
-        all.witness = all.witness.into_iter().chain(one.witness).min_by(by_value);
-        all.value = match (all.value, one.value) {
-            (Ok(a), Ok(b)) => Ok(a.min(b)),
-            // A region without a posture does not lower the bound. If a region has no bound, the operation
-            // has no bound.
-            (a, Err(WhyNot::Infeasible)) => a,
-            (Err(WhyNot::Infeasible), b) => b,
-            (Err(why), _) | (_, Err(why)) => Err(why),
-        };
-    }
-    (all, interrupted)
-}
-
-/// Returns a lower bound of the value of one operation over a region. `known` is the least value known so
-/// far, if any.
-///
-/// The second result states whether the proof was interrupted.
-fn of_operation(
-    workcell: &Workcell,
-    region: &OperationRegion,
-    known: Option<f64>,
-    options: &ProofOptions,
-    stop: &AtomicBool,
-) -> (OperationBound, bool) {
-    let none = |why| OperationBound { value: Err(why), boxes: 0, witness: None };
-    let task = match Task::new(workcell, region) {
-        Ok(task) => task,
-        Err(why) => return (none(why), false),
-    };
-    let known = known.unwrap_or(f64::INFINITY);
-    let Some(found) = branch_and_bound::least(&task, known, options.gap, options.boxes, stop) else {
-        return (none(WhyNot::Infeasible), false);
-    };
-    // An error that can vanish has the bound 0, which is exact.
-    let closed = found.best.is_some_and(|(value, _)| value < branch_and_bound::VANISHES);
-    let value = if found.bound > 0.0 || closed { Ok(found.bound) } else { Err(WhyNot::Boxes) };
-    (OperationBound { value, boxes: found.boxes, witness: found.best }, found.interrupted)
+    let shared =
+        shares_height.then(|| least_of_shared_height(workcell, &operations, options, stop)).flatten();
+    let alone = Proof::new(workcell, operations, interrupted);
+    let bound = alone.bound.map(|bound| shared.map_or(bound, |shared| bound.max(shared)));
+    Proof { bound, ..alone }
 }

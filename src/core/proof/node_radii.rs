@@ -7,13 +7,16 @@
 //! delta) on the surface. The radius of the node is then `sqrt(rho^2 + d^2 + 2 rho d cos(phi + delta))`. Here
 //! phi is the yaw of the surface relative to the line from the base axis to the origin of the surface.
 //!
-//! Branch and bound over (height, rho, phi) minimizes the combined value of all nodes. The bounds of single
-//! nodes are computed for intervals of height and radius. The lengths of these intervals are halves,
-//! quarters, ... of the whole ranges. The search keeps these bounds and reuses them for other placement cells
-//! (ranges of height, rho and phi).
+//! A layout chooses one elevation of the tool for all nodes. Branch and bound over (height, elevation, rho,
+//! phi) minimizes the combined value of all nodes. The bounds of single nodes are computed for intervals of
+//! height, elevation and radius. The lengths of these intervals are halves, quarters, ... of the whole ranges.
+//! The search keeps these bounds and reuses them for other placement cells (ranges of height, elevation, rho
+//! and phi).
 
 use super::branch_and_bound;
-use super::region::OperationRegion;
+use super::planar_arm::Lean;
+use super::region::{OperationRegion, chosen_elevations, with_tolerance};
+use super::surroundings::Surroundings;
 use super::task::Task;
 use super::{ProofOptions, WhyNot};
 use crate::error_map::Grid;
@@ -25,8 +28,18 @@ use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
 /// Largest number of parts into which the search divides the extent of the nodes.
 const MAX_PARTS: f64 = 48.0;
+/// Least horizontal component of the tool axis with which a tool counts as leaning.
+const LEAST_LEAN: f64 = 1e-6;
+/// Largest number of joints with a coordinate for which the surroundings of a single node are examined. For
+/// arms with more joints, this takes far longer than the bound without the surroundings.
+const MOST_FREE_JOINTS: usize = 3;
+/// Least extent of a placement cell that is divided, m.
+const LEAST_SIZE: f64 = 1e-3;
 /// Divisor that converts the length of a height interval to the equivalent length of a radius interval.
 const HEIGHT_SHARE: f64 = 4.0;
+/// Length, m, by which an interval of the elevation is multiplied to give the equivalent length of a radius
+/// interval.
+const ELEVATION_LEVER: f64 = 0.5;
 /// Largest number of placement cells ([`PlacementCell`]) that the search examines.
 const MAX_CELLS: usize = 20_000;
 /// Largest number of times that the range of the radius is halved.
@@ -43,6 +56,8 @@ type Dyadic = (u32, u64);
 #[derive(Debug, Clone)]
 struct PlacementCell {
     height: Dyadic,
+    /// Elevation of the tool that the layout chooses for all nodes.
+    elevation: Dyadic,
     /// Range of the distance of the origin of the surface from the base axis, m.
     rho: (f64, f64),
     /// Range of the yaw of the surface relative to the line from the base axis to the surface origin, rad.
@@ -78,10 +93,17 @@ struct NodeRadii<'a> {
     region: OperationRegion,
     /// Range of the radius of a node, m.
     radius: (f64, f64),
+    /// Whether the two directions in which the tool may lean are bounded separately.
+    leans: bool,
+    /// Range of the elevation that a layout may choose, rad; None if the arm fixes the elevation.
+    elevation: Option<(f64, f64)>,
+    /// Targets that the arm must reach in addition to a node.
+    surroundings: Surroundings<'a>,
     /// Polar coordinates (m, rad) of the nodes in the frame of the equipment.
     nodes: Vec<(f64, f64)>,
-    /// Lower bounds of the value of a single node. Each key holds a height interval and a radius interval.
-    known: HashMap<(Dyadic, Dyadic), f64>,
+    /// Lower bounds of the value of a single node. Each key holds the intervals of height, elevation and
+    /// radius.
+    known: HashMap<[Dyadic; 3], f64>,
     boxes: u64,
     options: &'a ProofOptions,
     stop: &'a AtomicBool,
@@ -99,19 +121,38 @@ pub(super) fn least_of_all_nodes(
     stop: &AtomicBool,
 ) -> Option<(f64, u64)> {
     let operation = &workcell.cell.operations[region.operation];
-    let radius = region.radius.filter(|_| operation.over.needs_every_node())?;
+    let radius = region.radius?;
+    let surroundings = Surroundings::new(workcell, region);
     let grid = Grid::new(operation);
     let polar = |k: usize| {
         let (x, y) = grid.local(k);
         (x.hypot(y), y.atan2(x))
     };
-    let nodes: Vec<(f64, f64)> = (0..grid.count()).map(polar).collect();
-    if nodes.len() < 2 || !Task::new(workcell, region).ok()?.limits_radius {
+    let nodes: Vec<(f64, f64)> = match operation.over.needs_every_node() {
+        true => (0..grid.count()).map(polar).collect(),
+        false => vec![(0.0, 0.0)],
+    };
+    let Task { limits_radius, is_planar, free_joints, .. } = Task::new(workcell, region).ok()?;
+    let is_useful = nodes.len() > 1 || !surroundings.is_empty() && free_joints <= MOST_FREE_JOINTS;
+    if !limits_radius || !is_useful {
         return None;
     }
+    let elevation = region.elevation.map(|_| chosen_elevations(operation));
+    let leans = elevation.is_some_and(|(low, high)| low.cos().abs().max(high.cos().abs()) > LEAST_LEAN);
     let (region, known_bounds) = (*region, HashMap::new());
-    let mut search =
-        NodeRadii { workcell, region, radius, nodes, known: known_bounds, boxes: 0, options, stop };
+    let mut search = NodeRadii {
+        workcell,
+        region,
+        radius,
+        leans: is_planar && leans,
+        elevation,
+        surroundings,
+        nodes,
+        known: known_bounds,
+        boxes: 0,
+        options,
+        stop,
+    };
     let bound = search.least(start, known * (1.0 - options.gap));
     Some((bound.max(start), search.boxes))
 }
@@ -121,15 +162,21 @@ impl NodeRadii<'_> {
     /// reaches `enough`.
     fn least(&mut self, start: f64, enough: f64) -> f64 {
         let farthest = self.nodes.iter().map(|node| node.0).fold(0.0, f64::max);
-        let finest = 2.0 * farthest / MAX_PARTS;
-        let whole =
-            PlacementCell { height: (0, 0), rho: self.radius, phi: (0.0, TAU), bound: start, number: 0 };
+        let finest = (2.0 * farthest / MAX_PARTS).max(LEAST_SIZE);
+        let rho = ((self.radius.0 - farthest).max(0.0), self.radius.1 + farthest);
+        let (height, elevation) = ((0, 0), (0, 0));
+        let whole = PlacementCell { height, elevation, rho, phi: (0.0, TAU), bound: start, number: 0 };
         let (mut heap, mut number) = (BinaryHeap::from([whole]), 0);
         while let Some(cell) = heap.pop() {
             let (low, high) = self.heights(cell.height);
-            let sizes =
-                [(high - low) / HEIGHT_SHARE, cell.rho.1 - cell.rho.0, farthest * (cell.phi.1 - cell.phi.0)];
-            let largest = (0..3).fold(0, |a, b| if sizes[b] > sizes[a] { b } else { a });
+            let (least, most) = self.elevations(cell.elevation).unwrap_or_default();
+            let sizes = [
+                (high - low) / HEIGHT_SHARE,
+                (most - least) * ELEVATION_LEVER,
+                cell.rho.1 - cell.rho.0,
+                farthest * (cell.phi.1 - cell.phi.0),
+            ];
+            let largest = (0..sizes.len()).fold(0, |a, b| if sizes[b] > sizes[a] { b } else { a });
             let is_done = cell.bound >= enough
                 || sizes[largest] <= finest
                 || number >= MAX_CELLS
@@ -154,6 +201,12 @@ impl NodeRadii<'_> {
     /// Converts a height interval from the form (level, index) to its least and greatest height, m.
     fn heights(&self, (level, index): Dyadic) -> (f64, f64) {
         within(self.region.height, (level, index))
+    }
+
+    /// Converts an interval of the chosen elevation from the form (level, index) to its ends, rad. Returns None
+    /// if the arm fixes the elevation.
+    fn elevations(&self, interval: Dyadic) -> Option<(f64, f64)> {
+        self.elevation.map(|range| within(range, interval))
     }
 
     /// Returns a lower bound of the combined value of all nodes in a placement cell. Returns infinity if the
@@ -186,21 +239,43 @@ impl NodeRadii<'_> {
         let index = |r: f64| (((r - low) / (high - low) * count as f64) as u64).min(count - 1);
         // A radius on the border of two intervals belongs to both.
         let (first, last) = (index(from - 1e-9), index(to + 1e-9));
-        (first..=last).map(|k| self.of_interval(cell.height, (level, k))).fold(f64::INFINITY, f64::min)
+        (first..=last)
+            .map(|k| self.of_interval([cell.height, cell.elevation, (level, k)]))
+            .fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns a lower bound of the value of a single node whose height and radius lie in two given
+    /// Returns a lower bound of the value of a single node whose height, elevation and radius lie in the given
     /// intervals.
-    fn of_interval(&mut self, height: Dyadic, radius: Dyadic) -> f64 {
-        if let Some(bound) = self.known.get(&(height, radius)) {
+    fn of_interval(&mut self, intervals: [Dyadic; 3]) -> f64 {
+        if let Some(bound) = self.known.get(&intervals) {
             return *bound;
         }
+        let [height, elevation, radius] = intervals;
+        let operation = &self.workcell.cell.operations[self.region.operation];
+        let elevation = self.elevations(elevation).map(|chosen| with_tolerance(operation, chosen));
         let (low, high) = within(self.radius, radius);
-        let region =
-            OperationRegion { height: self.heights(height), radius: Some((low, high)), ..self.region };
-        let boxes = (self.options.boxes / 50).max(100);
-        let bound = match Task::new(self.workcell, &region) {
+        let region = OperationRegion {
+            height: self.heights(height),
+            radius: Some((low, high)),
+            elevation,
+            ..self.region
+        };
+        let leans: &[_] = if self.leans { &[Some(Lean::Forwards), Some(Lean::Backwards)] } else { &[None] };
+        let of_lean = |lean: &Option<Lean>| self.of_region(&OperationRegion { lean: *lean, ..region });
+        let bound = leans.iter().map(of_lean).fold(f64::INFINITY, f64::min);
+        self.known.insert(intervals, bound);
+        bound
+    }
+
+    /// Returns a lower bound of the value of a single node in a region. Returns infinity if the node is
+    /// certainly not usable.
+    fn of_region(&mut self, region: &OperationRegion) -> f64 {
+        if self.surroundings.are_cut_off(region) {
+            return f64::INFINITY;
+        }
+        match Task::new(self.workcell, region) {
             Ok(task) => {
+                let boxes = (self.options.boxes / 50).max(100);
                 let gap = self.options.gap.max(NODE_GAP);
                 match branch_and_bound::least(&task, f64::INFINITY, gap, boxes, self.stop) {
                     Some(found) => {
@@ -212,9 +287,7 @@ impl NodeRadii<'_> {
             }
             Err(WhyNot::Infeasible) => f64::INFINITY,
             Err(_) => 0.0,
-        };
-        self.known.insert((height, radius), bound);
-        bound
+        }
     }
 }
 
@@ -224,16 +297,15 @@ fn within((low, high): (f64, f64), (level, index): Dyadic) -> (f64, f64) {
     (low + step * index as f64, low + step * (index + 1) as f64)
 }
 
-/// Returns the two halves of a placement cell in one dimension: height (0), rho (1) or phi (2).
+/// Returns the two halves of a placement cell in one dimension: height (0), elevation (1), rho (2) or phi (3).
 fn halves(cell: &PlacementCell, dimension: usize) -> [PlacementCell; 2] {
     let (mut one, mut two) = (cell.clone(), cell.clone());
     let middle = |(low, high): (f64, f64)| (low + high) / 2.0;
+    let parts = |(level, index): Dyadic| ((level + 1, 2 * index), (level + 1, 2 * index + 1));
     match dimension {
-        0 => {
-            let (level, index) = cell.height;
-            (one.height, two.height) = ((level + 1, 2 * index), (level + 1, 2 * index + 1));
-        }
-        1 => (one.rho.1, two.rho.0) = (middle(cell.rho), middle(cell.rho)),
+        0 => (one.height, two.height) = parts(cell.height),
+        1 => (one.elevation, two.elevation) = parts(cell.elevation),
+        2 => (one.rho.1, two.rho.0) = (middle(cell.rho), middle(cell.rho)),
         _ => (one.phi.1, two.phi.0) = (middle(cell.phi), middle(cell.phi)),
     }
     [one, two]

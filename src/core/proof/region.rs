@@ -1,7 +1,11 @@
 //! Region of the TCP of an operation over all layouts: bounds of height, elevation and distance from the base
 //! axis.
 
-use crate::cell::{Cell, Coordinate, Operation, Place};
+use super::planar_arm::Lean;
+use crate::cell::{Cell, Coordinate, Operation, Place, Rectangle};
+use crate::clearance::FloorPlan;
+use crate::geometry::PlanePoint;
+use crate::layout::Workcell;
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,27 +23,32 @@ pub struct OperationRegion {
     /// Range of the elevation of the tool axis, rad; None if the construction of the arm fixes this
     /// elevation.
     pub elevation: Option<(f64, f64)>,
+    /// Direction in which the tool leans; None for both directions. Only planar arms distinguish them.
+    pub lean: Option<Lean>,
     /// Range of the distance of the TCP from the z axis of the robot base, m; None if this distance is not
     /// limited.
     pub radius: Option<(f64, f64)>,
 }
 
 impl OperationRegion {
-    /// Returns the regions of an operation. There is one region for each listed height of its equipment, or
-    /// a single region if no heights are listed.
+    /// Returns the regions of an operation. There is one region for each combination of listed heights of its
+    /// equipment and of the equipment that carries it, or a single region if no heights are listed.
     ///
     /// `kept` is the tool elevation (rad) that the arm fixes by construction; None if the arm can change it.
     pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {
-        let equipment = cell.operations[operation].equipment;
-        let Coordinate::List(heights) = &cell.equipment[equipment].placement[2] else {
-            return vec![Self::new(cell, operation, kept)];
-        };
+        let mut pieces =
+            std::iter::successors(Some(cell.operations[operation].equipment), |e| cell.equipment[*e].on);
+        let listed = pieces.find_map(|e| match &cell.equipment[e].placement[2] {
+            Coordinate::List(heights) => Some((e, heights)),
+            _ => None,
+        });
+        let Some((equipment, heights)) = listed else { return vec![Self::new(cell, operation, kept)] };
         let mut one = cell.clone();
         let at = |height: &f64| {
             one.equipment[equipment].placement[2] = Coordinate::Fixed(*height);
-            Self::new(&one, operation, kept)
+            Self::all(&one, operation, kept)
         };
-        heights.iter().map(at).collect()
+        heights.iter().flat_map(at).collect()
     }
 
     /// Returns the region of an operation over all layouts of a cell.
@@ -52,13 +61,33 @@ impl OperationRegion {
         Self {
             operation,
             height: (low - SLACK, high + SLACK),
-            elevation: kept.is_none().then(|| elevations(asked)),
+            elevation: kept.is_none().then(|| with_tolerance(asked, chosen_elevations(asked))),
+            lean: None,
             radius: Some(stand.distances(farthest(&asked.place))),
         }
     }
 
+    /// Returns the regions of an operation of `cell`, without the part in which its equipment overlaps the robot
+    /// base in plan. `workcell` holds the robot and the floor plan of this cell.
+    pub(super) fn beside_base(cell: &Cell, operation: usize, workcell: &Workcell) -> Vec<Self> {
+        let all = Self::all(cell, operation, workcell.inverse().fixed_elevation()).into_iter();
+        all.map(|region| region.off_base(cell, workcell.floor_plan())).collect()
+    }
+
+    /// Returns the part of this region in which the equipment of the operation does not overlap the robot base
+    /// in plan.
+    fn off_base(self, cell: &Cell, plan: &FloorPlan) -> Self {
+        let asked = &cell.operations[self.operation];
+        let z = (self.height.0 - asked.standoff, self.height.1 - asked.standoff);
+        let from_base = |point| plan.least_distance_from_base(asked.equipment, z, point) - SLACK;
+        let least = extreme_points(&asked.place).into_iter().map(from_base).fold(f64::INFINITY, f64::min);
+        Self { radius: self.radius.map(|(low, high)| (low.max(least), high)), ..self }
+    }
+
     /// Returns the constraints on the height, the tool axis and the distance from the base axis.
-    pub(super) fn constraints(&self) -> Vec<Constraint> {
+    ///
+    /// `facing` is a horizontal unit vector in the plane of a planar arm; None for other arms.
+    pub(super) fn constraints(&self, facing: Option<Vector3<f64>>) -> Vec<Constraint> {
         let mut all =
             vec![Constraint { of: ConstrainedQuantity::Height, low: self.height.0, high: self.height.1 }];
         if let Some((low, high)) = self.elevation {
@@ -66,14 +95,18 @@ impl OperationRegion {
             let flat = low.cos().max(high.cos());
             if low <= -FRAC_PI_2 + SLACK || high >= FRAC_PI_2 - SLACK {
                 let flat = if low <= 0.0 && high >= 0.0 { 1.0 } else { flat } + SLACK;
-                all.extend([0, 1].map(|k| Constraint {
-                    of: ConstrainedQuantity::Axis(k),
+                all.extend([Vector3::x(), Vector3::y()].map(|along| Constraint {
+                    of: ConstrainedQuantity::Axis(along),
                     low: -flat,
                     high: flat,
                 }));
             }
             let (low, high) = (low.sin() - SLACK, high.sin() + SLACK);
-            all.push(Constraint { of: ConstrainedQuantity::Axis(2), low, high });
+            all.push(Constraint { of: ConstrainedQuantity::Axis(Vector3::z()), low, high });
+        }
+        if let Some((lean, facing)) = self.lean.zip(facing) {
+            let (low, high) = if lean == Lean::Forwards { (-SLACK, 1.0) } else { (-1.0, SLACK) };
+            all.push(Constraint { of: ConstrainedQuantity::Axis(facing), low, high });
         }
         if let Some((low, high)) = self.radius {
             // The gradient of the squared distance is 0 on the axis, so a lower limit of 0 must not act as a
@@ -90,8 +123,8 @@ impl OperationRegion {
 pub(super) enum ConstrainedQuantity {
     /// Height of the TCP above the robot base, m.
     Height,
-    /// Component of the tool axis with this index, in the base frame.
-    Axis(usize),
+    /// Component of the tool axis along this unit vector in the base frame.
+    Axis(Vector3<f64>),
     /// Squared distance of the TCP from the z axis of the base, m^2.
     RadiusSquared,
 }
@@ -109,16 +142,20 @@ impl Constraint {
     pub fn value(&self, tip: &Vector3<f64>, tool: &Vector3<f64>) -> f64 {
         match self.of {
             ConstrainedQuantity::Height => tip.z,
-            ConstrainedQuantity::Axis(k) => tool[k],
+            ConstrainedQuantity::Axis(along) => tool.dot(&along),
             ConstrainedQuantity::RadiusSquared => tip.xy().norm_squared(),
         }
     }
 }
 
-/// Returns the range of tool elevations (rad) that a search may choose, extended by the attitude tolerance.
-fn elevations(asked: &Operation) -> (f64, f64) {
-    let chosen =
-        asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
+/// Returns the range of tool elevations that a search may choose for an operation, rad.
+pub(super) fn chosen_elevations(asked: &Operation) -> (f64, f64) {
+    asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range())
+}
+
+/// Returns the range of the elevation of the tool axis (rad) for a range of chosen elevations. The attitude
+/// tolerance extends this range.
+pub(super) fn with_tolerance(asked: &Operation, chosen: (f64, f64)) -> (f64, f64) {
     let by = asked.attitude.tolerance + SLACK;
     let (low, high) = (chosen.0 - by, chosen.1 + by);
     // Beyond the vertical, the tool leans to the other side, and the size of its elevation decreases again.
@@ -127,15 +164,21 @@ fn elevations(asked: &Operation) -> (f64, f64) {
     (if low <= -FRAC_PI_2 { -FRAC_PI_2 } else { least }, if high >= FRAC_PI_2 { FRAC_PI_2 } else { most })
 }
 
+/// Returns the corners of the area of an operation, or its listed points, in the frame of the equipment, m.
+fn extreme_points(place: &Place) -> Vec<PlanePoint> {
+    match place {
+        Place::Grid { area: Rectangle { centre, size }, .. } => {
+            [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+                .map(|(i, j)| (centre.0 + i * size.0 / 2.0, centre.1 + j * size.1 / 2.0))
+                .to_vec()
+        }
+        Place::Points(points) => points.clone(),
+    }
+}
+
 /// Returns the distance of the farthest node from the origin of the equipment's frame, m.
 fn farthest(place: &Place) -> f64 {
-    match place {
-        Place::Grid { area, .. } => {
-            let corner = |centre: f64, size: f64| centre.abs() + size / 2.0;
-            corner(area.centre.0, area.size.0).hypot(corner(area.centre.1, area.size.1))
-        }
-        Place::Points(points) => points.iter().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max),
-    }
+    extreme_points(place).iter().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
 }
 
 /// Ranges of the position of a piece of equipment relative to the robot base, along world axes, m.

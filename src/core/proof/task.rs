@@ -8,10 +8,13 @@ use super::first_joint::FirstJoint;
 use super::last_joint::{LastJoint, ToolAxisRange};
 use super::linear_effects::{self, WeightedMotions, effects};
 use super::nonlinear_error::ChainDifference;
+use super::planar_arm::facing;
+use super::refusal::refuse;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
+use super::self_collision::SelfCollisionCheck;
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use super::value_bound::{EffectSum, ValueSum};
-use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row, Unit};
+use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model, Reading, Row, Unit};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
@@ -55,6 +58,11 @@ pub(super) struct Task<'a> {
     pub starts_at_base_axis: bool,
     /// Whether the bound of the value depends on the coordinate of the first joint.
     pub needs_first_joint: bool,
+    pub self_collision: SelfCollisionCheck<'a>,
+    /// Number of joints that need a coordinate.
+    pub free_joints: usize,
+    /// Whether the arm is planar, so that the lean of the tool is constant along a line.
+    pub is_planar: bool,
     /// Directions of the tool axis in all postures that satisfy the constraints.
     tool_axis: ToolAxisRange,
 }
@@ -143,6 +151,7 @@ impl<'a> Task<'a> {
             world: cell.start().base.from_world(),
             taught: None,
         };
+        let facing = facing(&screws, &held);
         let to_tip = RigidPieces::new(&screws, &screws.tip, &coordinates);
         let limits_radius = centred || !held[0];
         let starts_at_base_axis = centred && screws.axes[0].xy().norm() < DIRECTION_ROUNDING;
@@ -158,12 +167,15 @@ impl<'a> Task<'a> {
             error: BoundedError::Columns(motions, sum),
             lost: 0.0,
             deflections,
-            constraints: region.constraints(),
+            constraints: region.constraints(facing),
             last,
             turned_first,
             limits_radius,
             starts_at_base_axis,
             needs_first_joint: !held[0],
+            is_planar: facing.is_some(),
+            self_collision: SelfCollisionCheck::new(workcell, region.operation, &held),
+            free_joints: held[..chain.axes()].iter().filter(|held| !**held).count(),
             tool_axis: ToolAxisRange::of_elevations(region.elevation.or(fixed.map(|e| (e, e)))),
         };
         let reach = task.reach();
@@ -258,9 +270,8 @@ impl<'a> Task<'a> {
                 );
                 (g, h, self.to_tip.turned(&self.coordinates, radii, 0, 0, 3))
             }
-            ConstrainedQuantity::Axis(k) => {
-                let (g, h) =
-                    along(&self.screws, placed, &rates(&self.screws, placed, None), &Vector3::ith(k, 1.0));
+            ConstrainedQuantity::Axis(direction) => {
+                let (g, h) = along(&self.screws, placed, &rates(&self.screws, placed, None), &direction);
                 let last = self.coordinates.turning[self.coordinates.count];
                 (g, h, radius(radii, last).powi(3))
             }
@@ -331,6 +342,12 @@ impl<'a> Task<'a> {
         q
     }
 
+    /// Returns whether the robot certainly collides with itself in every posture of a box. The box has the half
+    /// widths `radii` about the [`Coordinates`] `y`.
+    pub fn collides_with_itself(&self, y: &JointValues, radii: &JointValues) -> bool {
+        self.self_collision.surrounds(&self.joints(y), self.coordinates.theta_radii(radii))
+    }
+
     /// Returns an upper bound of the distance of the TCP from the origin of the base frame, m.
     pub fn reach(&self) -> f64 {
         self.screws.points[0].norm() + self.to_tip.from(0)
@@ -376,24 +393,4 @@ impl<'a> Task<'a> {
         }
         best
     }
-}
-
-/// Checks that neither the registration nor the pick nor the equipment errors of an operation prevent a
-/// bound.
-///
-/// # Errors
-///
-/// Returns the reason that prevents a bound.
-fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
-    let asked = &cell.operations[operation];
-    if asked.relative_to.is_some() {
-        return Err(WhyNot::Relative);
-    }
-    if cell.registration != Registration::None {
-        return Err(WhyNot::Registered);
-    }
-    if cell.reading == Reading::Signed && cell.equipment[asked.equipment].errors.is_some() {
-        return Err(WhyNot::EquipmentErrors);
-    }
-    Ok(())
 }

@@ -43,10 +43,10 @@ use super::WhyNot;
 use super::branch_and_bound::lowered;
 use super::configuration_choice::ConfigurationChoice;
 use super::joint_box::{ContractedBox, JointBox, widest};
-use super::region::{ConstrainedQuantity, OperationRegion};
+use super::region::{ConstrainedQuantity, OperationRegion, chosen_elevations};
 use super::task::Task;
 use super::taylor_model::Taylor;
-use crate::cell::{Coordinate, Quantity, Reading};
+use crate::cell::{Quantity, Reading};
 use crate::error_map::{ConfigurationFlags, PostureOrder, ValueField};
 use crate::layout::Workcell;
 use rayon::prelude::*;
@@ -93,13 +93,14 @@ pub fn why_no_field(workcell: &Workcell, operation: usize) -> Option<&'static st
     regions(workcell, operation).iter().find_map(|region| prepared(workcell, region).err())
 }
 
-/// Returns the regions of an operation, one for each listed height of its equipment.
+/// Returns the regions of an operation, one for each combination of listed heights of its equipment and its
+/// carriers.
 fn regions(workcell: &Workcell, operation: usize) -> Vec<OperationRegion> {
     OperationRegion::all(&workcell.cell, operation, workcell.inverse().fixed_elevation())
 }
 
-/// Computes the value fields of an operation. If the cell lists several heights of the equipment under the
-/// operation, there is one field per height. Otherwise there is a single field.
+/// Computes the value fields of an operation. If the cell lists heights of the equipment under the operation or
+/// of its carriers, there is one field per combination of heights. Otherwise there is a single field.
 ///
 /// Once `stop` is set, the function returns early. The fields must then not be used.
 ///
@@ -137,8 +138,7 @@ fn prepared<'a>(workcell: &'a Workcell, region: &OperationRegion) -> Result<Fiel
     let is_percentile = evaluator.reading == Reading::Statistical
         && matches!(evaluator.quantity, Quantity::P95 | Quantity::P99);
     let kept = if is_percentile { 1.0 - PERCENTILE_MARGIN } else { 1.0 };
-    let fixed = operation.attitude.elevation;
-    let elevation = operation.angles[0].as_ref().map_or((fixed, fixed), Coordinate::range);
+    let elevation = chosen_elevations(operation);
     let flags = ConfigurationChoice::new(workcell, region, radius).flags();
     let (reach, height) = (task.reach(), region.height);
     Ok(FieldSearch { elevation, reach, height, radius, kept, flags, task })

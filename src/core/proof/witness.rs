@@ -5,7 +5,7 @@ use super::region::Constraint;
 use super::task::Task;
 use super::taylor_model::Taylor;
 use crate::cell::{JointVector, MAX_JOINTS};
-use crate::kinematic_error::JointValues;
+use crate::kinematic_error::{JointValues, PosedScrews};
 use crate::reading::EvaluatorScratch;
 use nalgebra::{Matrix4, Vector4};
 
@@ -14,29 +14,42 @@ const TOLERANCE: f64 = 1e-9;
 
 /// Posture that stays within the joint limits and satisfies the constraints.
 pub(super) struct Witness {
-    /// Value of the operation in the posture, m or rad.
-    pub value: f64,
-    /// Actuator coordinates of the posture, rad or m.
-    pub joints: JointVector,
+    /// Value of the operation in the posture, m or rad, and the actuator coordinates of the posture, rad or
+    /// m. The field is None if the robot touches itself in the posture.
+    pub value: Option<(f64, JointVector)>,
     /// Lower bound of the value for a box that contains only this posture, m or rad. The search cannot prove
     /// a greater lower bound for the operation, because some box always contains this posture.
     pub ceiling: f64,
 }
 
 /// Searches a box of joint coordinates for a posture that stays within the joint limits and satisfies the
-/// constraints. Returns None if no such posture is found.
+/// constraints. Returns None if no such posture is found. See [`kept_near`] for the arguments.
+pub(super) fn near(
+    task: &Task<'_>,
+    y: JointValues,
+    low: &JointValues,
+    high: &JointValues,
+    memory: &mut EvaluatorScratch,
+) -> Option<Witness> {
+    let (y, placed) = kept_near(task, y, low, high)?;
+    let value = Some(task.value(&y, memory)).filter(|(_, joints)| !task.self_collision.is_in(joints));
+    let bound = task.worth(&y, &placed, &[0.0; MAX_JOINTS]);
+    Some(Witness { value, ceiling: bound.map_or(0.0, |bound| bound.value.max(0.0)) })
+}
+
+/// Searches a box of joint coordinates for coordinates whose posture stays within the joint limits, satisfies
+/// the constraints and is not excluded by its self-collision. Returns the coordinates and the nominal chain.
 ///
 /// The search starts at the coordinates `y` and takes least-norm Newton steps. After each step, the
 /// coordinates are clamped to the box from `low` to `high`. The best posture is often in a corner of the
 /// set of allowed postures. Therefore a violation of up to [`TOLERANCE`] is accepted. No lower bound
 /// depends on this tolerance.
-pub(super) fn near(
+pub(super) fn kept_near(
     task: &Task<'_>,
     mut y: JointValues,
     low: &JointValues,
     high: &JointValues,
-    memory: &mut EvaluatorScratch,
-) -> Option<Witness> {
+) -> Option<(JointValues, PosedScrews)> {
     const MAX_STEPS: usize = 12;
     for _ in 0..MAX_STEPS {
         let placed = task.place(&y);
@@ -48,11 +61,8 @@ pub(super) fn near(
             let kept = inside
                 .into_iter()
                 .all(|((_, low, high), q)| (low - TOLERANCE..=high + TOLERANCE).contains(&q));
-            return kept.then(|| {
-                let (value, joints) = task.value(&y, memory);
-                let bound = task.worth(&y, &placed, &[0.0; MAX_JOINTS]);
-                Witness { value, joints, ceiling: bound.map_or(0.0, |bound| bound.value.max(0.0)) }
-            });
+            let is_usable = kept && !task.collides_with_itself(&y, &[0.0; MAX_JOINTS]);
+            return is_usable.then_some((y, placed));
         }
         let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
         for (i, (c, a)) in off.iter().enumerate() {

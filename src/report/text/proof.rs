@@ -48,8 +48,7 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, least: Option<f64>, proof: 
     let _ = writeln!(out, "  the bound covers {covers}");
     if workcell.certifies() {
         out.push_str(
-            "  the bound holds for layouts without misplacement, so it also holds for layouts that \
-             withstand misplacements\n",
+            "  the bound holds for layouts that work at every misplacement within the placement tolerances\n",
         );
     }
     for (bound, operation) in proof.operations.iter().zip(&cell.operations) {
