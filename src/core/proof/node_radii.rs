@@ -1,4 +1,5 @@
-//! Bound of an operation that happens at every node: the nodes have different distances from the base axis.
+//! Bound of an operation over the placement of its nodes. The nodes have different distances from the base
+//! axis, and the arm must reach the surroundings of every node.
 //!
 //! Consider the least value of a single node over all postures with a given height and radius (distance from
 //! the base axis). This value is a lower bound of the value of each node with this height and radius. All
@@ -11,7 +12,11 @@
 //! phi) minimizes the combined value of all nodes. The bounds of single nodes are computed for intervals of
 //! height, elevation and radius. The lengths of these intervals are halves, quarters, ... of the whole ranges.
 //! The search keeps these bounds and reuses them for other placement cells (ranges of height, elevation, rho
-//! and phi).
+//! and phi). A node whose surroundings are cut off cannot be used ([`Surroundings`]).
+//!
+//! An operation that happens at its best node is treated like an operation at one node in the origin of the
+//! surface. A planar arm keeps the direction in which its tool leans along a line, so the two directions are
+//! bounded separately ([`Lean`]).
 
 use super::branch_and_bound;
 use super::planar_arm::Lean;
