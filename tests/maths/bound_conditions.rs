@@ -238,9 +238,9 @@ fn no_layout_of_a_random_cell_with_conditions_is_below_the_bound() {
     assert!(compared > 15, "{compared} of {bounded}");
 }
 
-/// The direction of the z axis does not matter for a solid of revolution about it.
+/// The flange and the base of the youBot arm are solids of revolution about the axes of their joints.
 #[test]
-fn the_flange_of_the_youbot_is_round_about_the_last_axis() {
+fn solids_of_revolution_are_recognized() {
     let cell = shipped("five_axis_cell.toml");
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let frames = chain.frames(&chain.posture(&[0.3; 8])).links;

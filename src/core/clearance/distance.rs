@@ -294,7 +294,7 @@ fn near(body: &CollisionBody, relative: &pm::Pose, bounds: &Aabb, by: f64) -> bo
 }
 
 /// Shape before its rounding, and the radius (m) of the rounding.
-pub(super) type Core<'b> = (&'b dyn Shape, f64);
+type Core<'b> = (&'b dyn Shape, f64);
 
 pub(super) fn core(body: &CollisionBody) -> Core<'_> {
     match (&body.unswollen, body.shape.as_capsule()) {

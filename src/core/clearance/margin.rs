@@ -71,9 +71,7 @@ impl Scene {
                 }
             }
         }
-        let there = |k: usize| load.has(&self.links[k]);
-        let own = self.checked.iter().filter(|(a, b)| there(*a) && there(*b));
-        own.map(|&(a, b)| if self.links[a].frame < self.links[b].frame { (a, b) } else { (b, a) })
+        self.self_pairs(load)
             .map(|(less, more)| {
                 (Pair { link: more, against: Against::Own(less) }, motion.between_links(more, less))
             })

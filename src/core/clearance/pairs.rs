@@ -83,11 +83,17 @@ impl Scene {
             return;
         }
         self.outer_pairs(placed, load).filter(|p| self.links[p.link].frame > 0).for_each(&mut visit);
-        for &(a, b) in self.checked.iter().filter(|(a, b)| [a, b].iter().all(|k| load.has(&self.links[**k])))
-        {
-            let (less, more) = if self.links[a].frame < self.links[b].frame { (a, b) } else { (b, a) };
+        for (less, more) in self.self_pairs(load) {
             visit(Pair { link: more, against: Against::Own(less) });
         }
+    }
+
+    /// Returns the pairs of robot solids that must not touch while the robot moves with a given load. The
+    /// solid nearer to the base comes first.
+    pub(super) fn self_pairs(&self, load: Load) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let there = move |k: usize| load.has(&self.links[k]);
+        let checked = self.checked.iter().copied().filter(move |(a, b)| there(*a) && there(*b));
+        checked.map(|(a, b)| if self.links[a].frame < self.links[b].frame { (a, b) } else { (b, a) })
     }
 
     /// Returns the pairs of a robot solid with floor, equipment or fence.

@@ -37,8 +37,8 @@ pub(super) struct RobotSolid {
     /// The solid as a box enlarged by [`TOUCHING`], and the pose of the box in the carrier frame; None for
     /// other shapes.
     pub(super) cuboid: Option<(Pose, BoundingBox)>,
-    /// Two points on the axis of a solid of revolution, in the carrier frame; both are the centre of a sphere.
-    /// The field is None for other shapes.
+    /// Two points on the axis of a solid of revolution, in the carrier frame; both are the centre of a
+    /// sphere. The field is None for other shapes.
     pub(super) axis: Option<[Vector3<f64>; 2]>,
     /// Radius (m) with which the capsule `core` contains all `bodies`; infinite if no such radius is known.
     reach: f64,

@@ -12,6 +12,7 @@ use super::arm_part::ArmPart;
 use super::bodies::CollisionBody;
 use super::bounding_capsule::{BoundingCapsule, segments_apart_squared};
 use super::distance::core;
+use super::pairs::Load;
 use super::placed_solids::LinkFrames;
 use super::robot_solids::RobotSolid;
 use super::scene::Scene;
@@ -29,14 +30,7 @@ impl Scene {
     /// Returns the pairs of robot solids whose contact is a collision during an operation. Each pair holds
     /// two indices into [`Self::bounding_spheres`]; the solid nearer to the base comes first.
     pub fn self_collision_checks(&self, operation: usize) -> Vec<(usize, usize)> {
-        if !self.enabled {
-            return Vec::new();
-        }
-        let there = |k: usize| self.links[k].is_there(Some(operation));
-        let checked = self.checked.iter().filter(|(a, b)| there(*a) && there(*b));
-        checked
-            .map(|&(a, b)| if self.links[a].frame <= self.links[b].frame { (a, b) } else { (b, a) })
-            .collect()
+        if self.enabled { self.self_pairs(Load::of(Some(operation))).collect() } else { Vec::new() }
     }
 
     /// Returns whether a solid of the robot is a solid of revolution about an axis. The axis is the z axis of

@@ -1,9 +1,10 @@
-//! Bound of the objective for a robot base whose height is a search variable: all operations share one height.
+//! Bound of the objective for a robot base whose height is a search variable: all operations share one
+//! height.
 //!
 //! Each operation alone would choose the height of the base that suits it best. Branch and bound over the
-//! height minimizes the combined value of all operations, each at its best spot for an interval of the height.
-//! An operation that happens at every node is first bounded like an operation at its best node. The bound for
-//! every node takes longer, so it is computed only for the shortest intervals.
+//! height minimizes the combined value of all operations, each at its best spot for an interval of the
+//! height. An operation that happens at every node is first bounded like an operation at its best node. The
+//! bound for every node takes longer, so it is computed only for the shortest intervals.
 
 use super::operation_bound::{NodesBounded, of_regions};
 use super::region::OperationRegion;
@@ -17,11 +18,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const PARTS: f64 = 64.0;
 /// Relative gap at which the bound of one operation is accepted in an interval of the height.
 const INTERVAL_GAP: f64 = 1e-3;
-
 /// Number of intervals that are examined per round, in parallel.
 const INTERVALS_PER_ROUND: usize = 4;
 
 /// Interval of the height of the base, m, with lower bounds of the values of all operations.
+#[derive(Clone)]
 struct HeightInterval {
     range: (f64, f64),
     values: Vec<f64>,
@@ -83,17 +84,15 @@ pub(super) fn least_of_shared_height(
 }
 
 impl HeightInterval {
-    /// Returns the halves of the interval. A shortest interval is returned whole, for the bound of every node.
+    /// Returns the halves of the interval. A shortest interval is returned whole, for the bound of every
+    /// node.
     fn parts(self, shortest: f64) -> Vec<Self> {
-        let ((low, high), middle) = (self.range, (self.range.0 + self.range.1) / 2.0);
+        let (low, high) = self.range;
         if high - low <= shortest {
             return vec![Self { nodes: NodesBounded::Every, ..self }];
         }
-        let Self { values, bound, nodes, boxes, .. } = self;
-        vec![
-            Self { range: (low, middle), values: values.clone(), bound, nodes, boxes },
-            Self { range: (middle, high), values, bound, nodes, boxes },
-        ]
+        let middle = (low + high) / 2.0;
+        vec![Self { range: (low, middle), ..self.clone() }, Self { range: (middle, high), ..self }]
     }
 
     /// Bounds all operations in the interval. An operation whose bound is 0 has no bound. A bound of the

@@ -99,8 +99,8 @@ pub(super) fn least(
         let judged = |half: JointBox| {
             let half = half.judged(task)?;
             let (centre, radii) = half.centre();
-            let is_open = half.bound < enough(upper);
-            (!(is_open && task.collides_with_itself(&centre, &radii))).then_some(half)
+            let is_excluded = half.bound < enough(upper) && task.collides_with_itself(&centre, &radii);
+            (!is_excluded).then_some(half)
         };
         let halves: Vec<[Option<JointBox>; 2]> =
             round.par_iter().map(|part| part.halves(part.cut).map(judged)).collect();

@@ -45,7 +45,7 @@
 //! | `task` | one operation, prepared for bounding |
 //! | `planar_arm` | the plane in which a planar arm moves |
 //! | `self_collision`, `surroundings` | boxes and spots that no feasible layout can use |
-//! | `node_radii` | bounds over height, elevation and distance from the base axis, for one node or every node |
+//! | `node_radii` | bounds over height, elevation and radius, for one node or every node |
 //! | `base_height` | the height of the base that all operations share |
 //! | `operation_bound`, `refusal` | the bound of one operation, and operations without a bound |
 //! | `joint_box` | a box of joint coordinates, its contraction by the constraints, and the bound in the box |
@@ -93,7 +93,7 @@ use base_height::least_of_shared_height;
 use operation_bound::{NodesBounded, of_regions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Limits on the effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
@@ -197,7 +197,8 @@ pub struct OperationBound {
     /// Least value found, with the joint coordinates of the posture that gives this value.
     ///
     /// The posture stays within the joint limits. It also stays within the ranges that height, tool
-    /// elevation and distance from the robot base cover over all layouts. Collisions with the surroundings are ignored.
+    /// elevation and distance from the robot base cover over all layouts. Collisions with the surroundings
+    /// are ignored.
     pub witness: Option<(f64, JointVector)>,
 }
 
@@ -325,6 +326,7 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
         .collect();
     let shared =
         shares_height.then(|| least_of_shared_height(workcell, &operations, options, stop)).flatten();
+    interrupted |= shares_height && stop.load(Ordering::Relaxed);
     let alone = Proof::new(workcell, operations, interrupted);
     let bound = alone.bound.map(|bound| shared.map_or(bound, |shared| bound.max(shared)));
     Proof { bound, ..alone }

@@ -10,9 +10,9 @@
 //!
 //! A layout chooses one elevation of the tool for all nodes. Branch and bound over (height, elevation, rho,
 //! phi) minimizes the combined value of all nodes. The bounds of single nodes are computed for intervals of
-//! height, elevation and radius. The lengths of these intervals are halves, quarters, ... of the whole ranges.
-//! The search keeps these bounds and reuses them for other placement cells (ranges of height, elevation, rho
-//! and phi). A node whose surroundings are cut off cannot be used ([`Surroundings`]).
+//! height, elevation and radius. The lengths of these intervals are halves, quarters, ... of the whole
+//! ranges. The search keeps these bounds and reuses them for other placement cells (ranges of height,
+//! elevation, rho and phi). A node whose surroundings are cut off cannot be used ([`Surroundings`]).
 //!
 //! An operation that happens at its best node is treated like an operation at one node in the origin of the
 //! surface. A planar arm keeps the direction in which its tool leans along a line, so the two directions are
@@ -144,16 +144,15 @@ pub(super) fn least_of_all_nodes(
     }
     let elevation = region.elevation.map(|_| chosen_elevations(operation));
     let leans = elevation.is_some_and(|(low, high)| low.cos().abs().max(high.cos().abs()) > LEAST_LEAN);
-    let (region, known_bounds) = (*region, HashMap::new());
     let mut search = NodeRadii {
         workcell,
-        region,
+        region: *region,
         radius,
         leans: is_planar && leans,
         elevation,
         surroundings,
         nodes,
-        known: known_bounds,
+        known: HashMap::new(),
         boxes: 0,
         options,
         stop,
@@ -208,8 +207,8 @@ impl NodeRadii<'_> {
         within(self.region.height, (level, index))
     }
 
-    /// Converts an interval of the chosen elevation from the form (level, index) to its ends, rad. Returns None
-    /// if the arm fixes the elevation.
+    /// Converts an interval of the chosen elevation from the form (level, index) to its ends, rad. Returns
+    /// None if the arm fixes the elevation.
     fn elevations(&self, interval: Dyadic) -> Option<(f64, f64)> {
         self.elevation.map(|range| within(range, interval))
     }
@@ -249,8 +248,8 @@ impl NodeRadii<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns a lower bound of the value of a single node whose height, elevation and radius lie in the given
-    /// intervals.
+    /// Returns a lower bound of the value of a single node whose height, elevation and radius lie in the
+    /// given intervals.
     fn of_interval(&mut self, intervals: [Dyadic; 3]) -> f64 {
         if let Some(bound) = self.known.get(&intervals) {
             return *bound;
@@ -302,7 +301,8 @@ fn within((low, high): (f64, f64), (level, index): Dyadic) -> (f64, f64) {
     (low + step * index as f64, low + step * (index + 1) as f64)
 }
 
-/// Returns the two halves of a placement cell in one dimension: height (0), elevation (1), rho (2) or phi (3).
+/// Returns the two halves of a placement cell in one dimension: height (0), elevation (1), rho (2) or phi
+/// (3).
 fn halves(cell: &PlacementCell, dimension: usize) -> [PlacementCell; 2] {
     let (mut one, mut two) = (cell.clone(), cell.clone());
     let middle = |(low, high): (f64, f64)| (low + high) / 2.0;

@@ -14,12 +14,12 @@ pub enum Lean {
     Backwards,
 }
 
-/// Returns a horizontal unit vector in the plane of a planar arm, in the base frame. Returns None if the arm is not planar, or if
-/// the first joint is not held.
+/// Returns a horizontal unit vector in the plane of a planar arm, in the base frame. Returns None if the
+/// arm is not planar, or if the first joint is not held.
 ///
 /// The axes of all joints of a planar arm between the first and the last joint are horizontal and parallel to
-/// each other. The last axis is parallel to these axes or to the tool axis, and the tool axis is perpendicular
-/// to these axes.
+/// each other. The last axis is parallel to these axes or to the tool axis, and the tool axis is
+/// perpendicular to these axes.
 pub(super) fn facing(screws: &Screws, held: &[bool; MAX_JOINTS]) -> Option<Vector3<f64>> {
     let (first, others) = screws.axes.get(..screws.kinds.len())?.split_first()?;
     let (last, between) = others.split_last()?;

@@ -67,15 +67,15 @@ impl OperationRegion {
         }
     }
 
-    /// Returns the regions of an operation of `cell`, without the part in which its equipment overlaps the robot
-    /// base in plan. `workcell` holds the robot and the floor plan of this cell.
+    /// Returns the regions of an operation of `cell`, without the part in which its equipment overlaps the
+    /// robot base in plan. `workcell` holds the robot and the floor plan of this cell.
     pub(super) fn beside_base(cell: &Cell, operation: usize, workcell: &Workcell) -> Vec<Self> {
         let all = Self::all(cell, operation, workcell.inverse().fixed_elevation()).into_iter();
         all.map(|region| region.off_base(cell, workcell.floor_plan())).collect()
     }
 
-    /// Returns the part of this region in which the equipment of the operation does not overlap the robot base
-    /// in plan.
+    /// Returns the part of this region in which the equipment of the operation does not overlap the robot
+    /// base in plan.
     fn off_base(self, cell: &Cell, plan: &FloorPlan) -> Self {
         let asked = &cell.operations[self.operation];
         let z = (self.height.0 - asked.standoff, self.height.1 - asked.standoff);

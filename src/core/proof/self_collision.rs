@@ -49,8 +49,8 @@ impl<'a> SelfCollisionCheck<'a> {
         Self { chain, scene, operation, pairs }
     }
 
-    /// Returns whether the robot collides with itself in every posture near a posture. `joints` are the actuator
-    /// coordinates of that posture, rad or m. Each D-H coordinate changes by at most `travel`.
+    /// Returns whether the robot collides with itself in every posture near a posture. `joints` are the
+    /// actuator coordinates of that posture, rad or m. Each D-H coordinate changes by at most `travel`.
     pub fn surrounds(&self, joints: &JointVector, travel: JointValues) -> bool {
         if self.pairs.is_empty() {
             return false;

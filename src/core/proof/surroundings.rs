@@ -1,9 +1,10 @@
 //! Targets near a spot that the arm must reach, too.
 //!
 //! A spot is of use only if the arm also reaches the far end of the longer approach or retract line. If the
-//! layout must withstand misplacements, the arm must also reach the misplaced spots and line ends. Each of these targets has a
-//! height and a radius (distance from the base axis) that differ from those of the spot. A spot is cut off if
-//! no posture of the arm has the height, the radius and the tool elevation of one of these targets.
+//! layout must withstand misplacements, the arm must also reach the misplaced spots and line ends. Each of
+//! these targets has a height and a radius (distance from the base axis) that differ from those of the
+//! spot. A spot is cut off if no posture of the arm has the height, the radius and the tool elevation of
+//! one of these targets.
 
 use super::branch_and_bound::is_empty;
 use super::region::OperationRegion;
@@ -13,7 +14,7 @@ use crate::layout::Workcell;
 use std::f64::consts::FRAC_PI_2;
 
 /// Ranges of the differences of height and radius between a target and the spot, m.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct TargetOffset {
     height: (f64, f64),
     radius: (f64, f64),
@@ -39,8 +40,6 @@ impl<'a> Surroundings<'a> {
             radius: (-length * level, length * level),
         };
         let length = operation.approach.max(operation.retract);
-        let mut lines = vec![line(0.0)];
-        lines.extend((length > 0.0).then(|| line(length)));
         let pieces = std::iter::successors(Some(&cell.equipment[operation.equipment]), |piece| {
             piece.on.map(|under| &cell.equipment[under])
         });
@@ -49,21 +48,21 @@ impl<'a> Surroundings<'a> {
             // A misplacement in the direction of the base axis may have this length, whatever the yaw.
             (sum.0 + z, sum.1 + x.min(y))
         };
-        let (z, r) = match workcell.certifies() {
-            true => pieces.fold((0.0, 0.0), misplaced),
-            false => (0.0, 0.0),
-        };
-        let corners = [(z, r), (z, -r), (-z, r), (-z, -r)];
-        let moved = |line: &TargetOffset, (z, r): (f64, f64)| TargetOffset {
-            height: (line.height.0 + z, line.height.1 + z),
-            radius: (line.radius.0 + r, line.radius.1 + r),
-        };
-        let corners = &corners[..if (z, r) == (0.0, 0.0) { 1 } else { 4 }];
-        let mut offsets: Vec<_> =
-            lines.iter().flat_map(|line| corners.iter().map(|corner| moved(line, *corner))).collect();
-        if (z, r) == (0.0, 0.0) {
-            // The first offset is the spot itself.
-            offsets.remove(0);
+        let pieces = pieces.filter(|_| workcell.certifies());
+        let (z, r) = pieces.fold((0.0, 0.0), misplaced);
+        let mut offsets = Vec::new();
+        for length in [0.0, length] {
+            let TargetOffset { height, radius } = line(length);
+            for (z, r) in [(z, r), (z, -r), (-z, r), (-z, -r)] {
+                let offset = TargetOffset {
+                    height: (height.0 + z, height.1 + z),
+                    radius: (radius.0 + r, radius.1 + r),
+                };
+                let is_spot = length == 0.0 && (z, r) == (0.0, 0.0);
+                if !is_spot && !offsets.contains(&offset) {
+                    offsets.push(offset);
+                }
+            }
         }
         Self { workcell, offsets }
     }

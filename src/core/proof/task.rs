@@ -342,8 +342,8 @@ impl<'a> Task<'a> {
         q
     }
 
-    /// Returns whether the robot certainly collides with itself in every posture of a box. The box has the half
-    /// widths `radii` about the [`Coordinates`] `y`.
+    /// Returns whether the robot certainly collides with itself in every posture of a box. The box has the
+    /// half widths `radii` about the [`Coordinates`] `y`.
     pub fn collides_with_itself(&self, y: &JointValues, radii: &JointValues) -> bool {
         self.self_collision.surrounds(&self.joints(y), self.coordinates.theta_radii(radii))
     }

@@ -99,8 +99,9 @@ fn regions(workcell: &Workcell, operation: usize) -> Vec<OperationRegion> {
     OperationRegion::all(&workcell.cell, operation, workcell.inverse().fixed_elevation())
 }
 
-/// Computes the value fields of an operation. If the cell lists heights of the equipment under the operation or
-/// of its carriers, there is one field per combination of heights. Otherwise there is a single field.
+/// Computes the value fields of an operation. If the cell lists heights of the equipment under the
+/// operation or of its carriers, there is one field per combination of heights. Otherwise there is a single
+/// field.
 ///
 /// Once `stop` is set, the function returns early. The fields must then not be used.
 ///
