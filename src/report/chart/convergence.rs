@@ -143,7 +143,7 @@ fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
             let gap = percent_from_share(best / bound - 1.0);
             let digits = if gap < 0.1 { 4 } else { 2 };
             format!(
-                "proven: no layout has an objective below {}; the best layout is {gap:.digits$} % above this \
+                "proven: no layout has an objective below {}; the least objective found is {gap:.digits$} % above this \
                  bound",
                 said(bound)
             )

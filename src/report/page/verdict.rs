@@ -332,22 +332,24 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
         }
         _ => String::new(),
     };
+    let proven = |bound: f64| {
+        let bound = down(unit, bound);
+        format!("it is proven that no layout within the ranges has an objective below {bound}{covers}")
+    };
     let (text, note) = match (found.gap_percent, found.bound) {
-        (Some(gap), Some(bound)) => (
+        (Some(gap), Some(bound)) => {
+            let least = found.least_value.filter(|_| bound > 0.0).map(|least| 100.0 * (least / bound - 1.0));
+            let nearer = least.map(text::gap).filter(|least| *least != text::gap(gap));
+            let nearer = nearer.map_or(String::new(), |least| {
+                format!(
+                    "; the least objective found is {least} above this bound, and the search recommends a \
+                     nearly equal layout with more room"
+                )
+            });
             // The gap is rounded up, so that the printed gap is never too small.
-            text::gap(gap),
-            format!(
-                "it is proven that no layout within the ranges has an objective below {}{covers}",
-                down(unit, bound)
-            ),
-        ),
-        (None, Some(bound)) => (
-            "none".into(),
-            format!(
-                "it is proven that no layout within the ranges has an objective below {}{covers}",
-                down(unit, bound)
-            ),
-        ),
+            (text::gap(gap), proven(bound) + &nearer)
+        }
+        (None, Some(bound)) => ("none".into(), proven(bound)),
         _ if found.proof.covers == Covers::Infeasible => {
             ("no layout".into(), format!("it is proven that no layout is feasible: {}", unproven(found)))
         }
