@@ -1,8 +1,8 @@
 //! Sections on the assumptions of the report and the provenance of its numbers.
 
 use super::content::{PageTable, Section, plain};
+use super::facts::reading_in_words;
 use super::subject::{Manifest, Subject};
-use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
 use crate::record::{caveats, is_guess, reading_word};

@@ -11,6 +11,7 @@ mod assumptions;
 mod compare;
 mod content;
 mod cycle;
+mod facts;
 mod figures;
 #[cfg(feature = "view")]
 mod live;

@@ -6,8 +6,7 @@ use crate::assess::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord};
 use crate::files::shown;
 use crate::layout::combined;
-use crate::record::{RunnerUpEntry, RunnerUpKind};
-use crate::units::rounded;
+use crate::record::{RunnerUpEntry, RunnerUpKind, nine_digits};
 
 /// Returns the kept layout with the least objective, other than the recommended layout. If the search kept no
 /// other layout, returns the second-best node of one operation in the recommended layout. This is the
@@ -53,7 +52,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
         "the next best spot in the same layout: {name} at node ({}, {}) with {next} instead of {spot}; no other layout was kept",
         node.i, node.j,
     );
-    let value = rounded(unit.from_si(total), 9);
+    let value = nine_digits(unit.from_si(total));
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
