@@ -143,8 +143,8 @@ fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
             let gap = percent_from_share(best / bound - 1.0);
             let digits = if gap < 0.1 { 4 } else { 2 };
             format!(
-                "proven: no layout has an objective below {}; the least objective found is {gap:.digits$} % above this \
-                 bound",
+                "proven: no layout has an objective below {}; the least found is {gap:.digits$} % above \
+                 this bound",
                 said(bound)
             )
         }
