@@ -1,14 +1,14 @@
 //! Cell files with fixed placements, such as best.toml. Each file begins with `from`, the path of the
 //! original cell file relative to the folder of the new file.
 
-use crate::cell::{Cell, Layout, Slot, Unit};
+use crate::cell::{Cell, Layout, Reading, Slot, Unit};
 use crate::safe_text::shown;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// Returns the text of a cell file that includes the file `from`. The text fixes the free coordinates, error
-/// set, model, reading, quantity, registration, senses and limits, and states the assumed values. `comment`
-/// is one line.
+/// set, model, reading, quantity, registration, senses and limits, and states the assumed values. In the
+/// statistical reading, the text also fixes the seed. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -55,9 +55,11 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
     }
     let switches = [("ideal", cell.search.ideal), ("robust", cell.search.robust)];
     let switches = switches.iter().filter(|(_, is_on)| *is_on).map(|(name, _)| format!("{name} = true\n"));
-    let switches: String = switches.collect();
-    if !switches.is_empty() {
-        let _ = write!(out, "\n[search]\n{switches}");
+    // The seed of the search is also the seed of the Monte Carlo samples that check the statistical figures.
+    let seed = (cell.reading == Reading::Statistical).then(|| format!("seed = {}\n", cell.search.seed));
+    let search: String = switches.chain(seed).collect();
+    if !search.is_empty() {
+        let _ = write!(out, "\n[search]\n{search}");
     }
     for (k, operation) in cell.operations.iter().enumerate() {
         let _ = writeln!(

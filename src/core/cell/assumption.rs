@@ -30,7 +30,8 @@ const MARGIN_SHARE: f64 = 0.1;
 /// Record of the quantities that the cell file states. [`Cell::assuming`] assumes only the other quantities.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StatedKeys {
-    /// Whether the file has search settings.
+    /// Whether the file has search settings other than the seed alone. The seed also selects Monte Carlo
+    /// samples, so it does not show that the layout is to be built.
     pub search: bool,
     pub clearance: bool,
     pub turn_margin: bool,

@@ -20,12 +20,12 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// A first-order figure is accepted even outside the confidence interval if it deviates from the estimate by
-/// at most this share.
+/// Samples refute a first-order figure only if it lies outside the confidence interval by more than this
+/// share of the estimate.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// A first-order yield is accepted even outside the confidence interval if it deviates from the estimate by
-/// at most this value.
+/// Samples refute a first-order yield only if it lies outside the confidence interval by more than this
+/// value.
 pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
@@ -42,10 +42,15 @@ pub struct Estimate {
 impl Estimate {
     /// Returns whether `figure` agrees with the estimate.
     ///
-    /// The figure must be inside the confidence interval, or deviate from the estimate by at most 1 %.
+    /// The figure must lie in the confidence interval widened by 1 % of the estimate at both ends. So chance
+    /// alone hardly ever contradicts an exact figure.
     pub fn agrees(&self, figure: f64) -> bool {
-        (self.low..=self.high).contains(&figure)
-            || (figure - self.value).abs() <= RELATIVE_TOLERANCE * self.value.abs()
+        self.is_near(figure, RELATIVE_TOLERANCE * self.value.abs())
+    }
+
+    /// Returns whether `figure` lies in the confidence interval widened by `tolerance` at both ends.
+    fn is_near(&self, figure: f64, tolerance: f64) -> bool {
+        (self.low - tolerance..=self.high + tolerance).contains(&figure)
     }
 }
 
@@ -130,8 +135,7 @@ impl MonteCarlo {
 
     /// Returns whether a first-order yield agrees with the estimate; true if the operation has no limit.
     pub fn confirms_yield(&self, first_order: Option<f64>) -> bool {
-        let Some((estimate, share)) = self.success.zip(first_order) else { return true };
-        (estimate.low..=estimate.high).contains(&share) || (share - estimate.value).abs() <= YIELD_TOLERANCE
+        self.success.zip(first_order).is_none_or(|(estimate, share)| estimate.is_near(share, YIELD_TOLERANCE))
     }
 
     /// Returns whether the first-order figures agree with the estimates.

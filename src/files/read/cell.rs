@@ -96,7 +96,8 @@ fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     };
     let placement_tolerances = read.equipment.iter().map(tolerance).collect();
     let clearance = t.get(&cell::CLEARANCE).is_some();
-    let search = t.get(&cell::SEARCH).is_some();
+    let settings = t.get(&cell::SEARCH).map(|node| node.value.entries().iter().map(|(key, ..)| key.as_str()));
+    let search = settings.is_some_and(|keys| keys.ne([search::SEED.name]));
     StatedKeys {
         search,
         clearance,

@@ -217,6 +217,27 @@ fn best_toml_carries_how_the_errors_are_read() {
     }
 }
 
+/// Monte Carlo samples check statistical figures. Where the samples refute the first-order figures, the
+/// figures depend on the seed, so best.toml must state the seed of the search.
+#[test]
+fn best_toml_states_the_seed_of_a_statistical_search() {
+    let shop = Sandbox::new();
+    let robot = shop.text("cells/robots/hitachi_pw10.toml");
+    let loose = "\n[errors.loose]\nkind = \"tolerance\"\nsource = \"a test\"\ndr_mm = [0, 0, 0, 0]\n\
+                 dl_mm = [0, 0, 0, 0]\ndalpha_deg = [60, 60, 60, 60]\n";
+    shop.write("cells/robots/hitachi_pw10.toml", &(robot + loose));
+    let coarse = "[operation.mapping]\ngrid = [4, 3]\n";
+    let cell = "from = \"hitachi_paper.toml\"\nerrors = \"loose\"\nreading = \"statistical\"\n";
+    shop.write("cells/loose.toml", &format!("{cell}{coarse}"));
+    shop.done(&["search", "cells/loose.toml", "--seed", "7", "--out", "found"]);
+    let [own, other] = ["found/best.toml", "cells/loose.toml"].map(|file| shop.json(&["map", file]));
+    let of = |map: &Value| map["operations"][0]["monte_carlo"].clone();
+    let monte_carlo = of(&own);
+    assert_eq!(monte_carlo["first_order_holds"], false);
+    assert_ne!(monte_carlo["p95"], of(&other)["p95"], "another seed gives other samples");
+    assert_eq!(own["objective"], shop.document("found/search.json")["objective_value"]);
+}
+
 /// `from` cannot remove a limit, so best.toml could not record such a search.
 #[test]
 fn a_search_refuses_options_that_drop_a_limit() {

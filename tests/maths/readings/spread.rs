@@ -162,6 +162,31 @@ fn first_and_sampled(cell: &Cell) -> (Figures, MonteCarlo) {
     (first, monte_carlo(&evaluator, &alone(), &frames, 1 << 16, 3, first.p95))
 }
 
+/// Small errors of all links make the first-order figures exact. Chance must not refute them: no seed of 60
+/// may contradict them, and the mean over all seeds agrees with them closely.
+#[test]
+fn chance_does_not_refute_exact_figures() {
+    let mut rng = ChaCha8Rng::seed_from_u64(66);
+    let robot = random_robot(&mut rng, 5);
+    let normal = [Distribution::Normal];
+    let tolerance = random_tolerance(&mut rng, robot.axes(), 3 * robot.axes(), (1e-6, 1e-6), &normal);
+    let mut cell = cell_of(robot.clone(), tolerance, Sense::plain("xy").unwrap());
+    (cell.reading, cell.model) = (Reading::Statistical, Model::Nonlinear);
+    let frames = frames_at(&robot, &random_joints(&mut rng, &robot));
+    let evaluator = gauge_of(&cell);
+    let first = evaluator.judge(&alone(), &frames, &mut evaluator.memory()).figures[evaluator.own()];
+    let (mut p99, mut outside) = (0.0, 0);
+    for seed in 0..60 {
+        let sampled = monte_carlo(&evaluator, &alone(), &frames, 1 << 15, seed, first.p95);
+        assert!(sampled.confirms(&first), "{seed}: {first:?} {sampled:?}");
+        p99 += sampled.p99.value / 60.0;
+        let far = (sampled.p99.value / first.p99 - 1.0).abs() > 0.01;
+        outside += usize::from(far && !(sampled.p99.low..=sampled.p99.high).contains(&first.p99));
+    }
+    assert!((p99 / first.p99 - 1.0).abs() < 2e-3, "{p99} {first:?}");
+    assert!(outside > 0, "some seeds must deviate by chance, or this test cannot fail");
+}
+
 /// The budget of the linear worst case consists of the terms at its corner, and these terms add up to the
 /// error.
 #[test]
