@@ -469,11 +469,13 @@ fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let run = |workcell: &Workcell| {
         let mut settings = workcell.cell.search;
         settings.budget = 800;
-        search(workcell, &settings, &watch).best
+        search(workcell, &settings, &watch)
     };
-    let (drawn, hardened) = (run(&nominal), run(&robust));
+    let (drawn, found) = (run(&nominal).best, run(&robust));
     let as_drawn = evaluate(&robust, &drawn.layout);
-    assert!(hardened.evaluation.cost < as_drawn.cost, "{} {}", hardened.evaluation.cost, as_drawn.cost);
+    // The choice of a layout with much room gives up a small part of the least objective.
+    let (least, hardened) = (found.least.expect("feasible"), found.best);
+    assert!(least < as_drawn.cost, "{least} {}", as_drawn.cost);
     let worst = hardened.evaluation.objective.expect("feasible");
     // The worst value over the tolerances must be greater than the nominal value of the best nominal layout.
     assert!(worst > drawn.evaluation.objective.unwrap());

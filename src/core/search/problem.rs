@@ -196,6 +196,14 @@ impl<'a> Problem<'a> {
         locked(&self.journal).record.point.clone()
     }
 
+    /// Returns the standard point of the best layout so far, if this layout is feasible and within every
+    /// limit. Returns None also if the search keeps several layouts, which should differ from the best.
+    pub fn single_best(&self) -> Option<Vec<f64>> {
+        let journal = locked(&self.journal);
+        let is_single = journal.record.feasible > 0 && !journal.checkpoint().stopping().keeps_more();
+        is_single.then(|| self.space.settled(&journal.record.point))
+    }
+
     /// Returns whether the current run minimizes a scalarization instead of the cost of the layout.
     pub fn is_scalarized(&self) -> bool {
         locked(&self.scalarization).is_some()
