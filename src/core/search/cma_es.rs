@@ -47,9 +47,8 @@ pub struct CmaEs {
     path_c: DVector<f64>,
     /// Best cost of each generation so far.
     history: Vec<f64>,
-    /// The run has converged when the standard deviation of every coordinate is below its value here. The
-    /// values are shares of the search ranges.
-    fine_enough: Vec<f64>,
+    /// Convergence tolerances, as shares of the search ranges ([`Self::with_tolerances`]).
+    tolerances: Vec<f64>,
     settled: bool,
 }
 
@@ -88,15 +87,15 @@ impl CmaEs {
             path_sigma: DVector::zeros(dimensions),
             path_c: DVector::zeros(dimensions),
             history: Vec::new(),
-            fine_enough: vec![0.0; dimensions],
+            tolerances: vec![0.0; dimensions],
             settled: false,
         }
     }
 
     /// Returns this run with a further stopping rule. The rule ends the run when the standard deviation of
-    /// every coordinate is below its value in `fine_enough`, as a share of the search range.
-    pub fn until(self, fine_enough: Vec<f64>) -> Self {
-        Self { fine_enough, ..self }
+    /// every coordinate is below its tolerance, as a share of the search range.
+    pub fn with_tolerances(self, tolerances: Vec<f64>) -> Self {
+        Self { tolerances, ..self }
     }
 
     /// Returns a standard normal vector (Box-Muller).
@@ -143,7 +142,7 @@ impl CmaEs {
     /// Returns whether a stopping rule ends the run. The rules check the best costs, the step size, the
     /// standard deviations and the condition number of the covariance.
     ///
-    /// Source of all rules but [`Self::until`]: section B.3 of N. Hansen, arXiv:1604.00772.
+    /// Source of all rules but [`Self::with_tolerances`]: section B.3 of N. Hansen, arXiv:1604.00772.
     fn has_settled(&mut self, best: f64, eigenvalues: &DVector<f64>) -> bool {
         self.history.push(best);
         let span = 10 + (30.0 * self.mean.len() as f64 / self.lambda as f64).ceil() as usize;
@@ -155,7 +154,7 @@ impl CmaEs {
         let sound = least > 0.0 && most / least < MAX_CONDITION && self.sigma.is_finite() && self.sigma < 1e3;
         let variances = self.covariance.diagonal();
         let deviations = variances.iter().map(|v| self.sigma * v.sqrt());
-        let fine = deviations.zip(&self.fine_enough).all(|(deviation, enough)| deviation < *enough);
+        let fine = deviations.zip(&self.tolerances).all(|(deviation, enough)| deviation < *enough);
         flat || small || fine || !sound
     }
 }

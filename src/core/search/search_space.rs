@@ -4,10 +4,10 @@ use crate::cell::{Cell, Coordinate, Layout, Resolution, Slot};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
 /// Largest standard deviation of a converged variable with a range, as a number of resolution steps.
-const FINE_STEPS: f64 = 4.0;
+const TOLERANCE_STEPS: f64 = 4.0;
 /// Largest standard deviation of a converged variable with listed values, as a share of the interval that
 /// represents one value.
-const FINE_SHARE_OF_VALUE: f64 = 0.2;
+const TOLERANCE_SHARE: f64 = 0.2;
 
 /// Change that leads from a point to its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,20 +59,20 @@ impl<'c> SearchSpace<'c> {
         shares.map(|((slot, c), u)| share(c, self.value(*slot, c, mirrored(*u)))).collect()
     }
 
-    /// Returns for each variable the standard deviation below which a global solver has converged, as a share
-    /// of the search range. A polish then refines the result.
+    /// Returns the convergence tolerance of each variable: the standard deviation below which a global solver
+    /// has converged, as a share of the search range. The polish then refines the result.
     ///
     /// A variable with a range has converged to a few steps of the resolution. A variable with listed values
     /// has converged to one value.
-    pub fn fine_enough(&self) -> Vec<f64> {
+    pub fn tolerances(&self) -> Vec<f64> {
         let Resolution { mm, deg } = self.cell.search.resolution;
         let of = |(slot, coordinate): &(Slot, &Coordinate)| match coordinate {
             Coordinate::Fixed(_) => f64::INFINITY,
             Coordinate::Range { min, max, .. } => {
                 let step = if slot.is_angle() { rad_from_deg(deg) } else { m_from_mm(mm) };
-                FINE_STEPS * step / (max - min)
+                TOLERANCE_STEPS * step / (max - min)
             }
-            Coordinate::List(values) => FINE_SHARE_OF_VALUE / values.len() as f64,
+            Coordinate::List(values) => TOLERANCE_SHARE / values.len() as f64,
         };
         self.variables.iter().map(of).collect()
     }

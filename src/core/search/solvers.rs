@@ -71,7 +71,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
             Solver::CmaEs => {
                 let CmaEsStart { from, sigma, scale } = cma_es_start(problem, run, from, &mut rng);
                 let solver = CmaEs::new(problem.separated(from), sigma, scale, rng);
-                let solver = solver.until(problem.space().fine_enough());
+                let solver = solver.with_tolerances(problem.space().tolerances());
                 Executor::<_, _, IterationState>::new(problem, solver).timer(false).run().map(drop)
             }
             Solver::ParticleSwarm => {
