@@ -4,7 +4,7 @@ use super::Numeric;
 use super::goal::{AttitudeGoal, TcpGoal, TwistError};
 use super::jacobian::{add_curvature, jacobian, normal_equations};
 use super::quadratic_program::exact_step;
-use super::step::{NormalMatrix, bounded_step, holds_too_much};
+use super::step::NormalMatrix;
 use crate::cell::JointVector;
 use crate::robot::Frames;
 
@@ -26,8 +26,6 @@ const DAMPING_INCREASE: f64 = 5.0;
 const MAX_DAMPING: f64 = 1e10;
 /// Least damping after a step that lowers the cost.
 const MIN_DAMPING: f64 = 1e-15;
-/// Largest number of quadratic programs of one descent; each of them takes as long as a hundred steps.
-const MAX_PROGRAMS: usize = 4;
 /// Least share of the cost that a step must remove; a smaller gain ends the descent.
 const MIN_GAIN: f64 = 1e-13;
 
@@ -61,17 +59,14 @@ struct Descent<'a> {
     scale: f64,
     frames: &'a mut Frames,
     damping: f64,
-    /// Number of quadratic programs that this descent may still solve.
-    programs: usize,
 }
 
 impl Numeric {
     /// Minimizes the cost by the Levenberg-Marquardt method within the limits.
     ///
-    /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
-    /// step can fail to lower the cost because the step fixes a joint at a bound that the joint should leave.
-    /// In this case, a quadratic program computes the step. For a goal without attitude, the method uses the
-    /// exact Hessian. The method then converges quadratically even if the goal is out of reach.
+    /// The factor `scale` (1/m) multiplies lengths in the cost. A quadratic program computes each step, and
+    /// every accepted step lowers the cost. For a goal without attitude, the method uses the exact Hessian.
+    /// The method then converges quadratically even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,
         goal: &TcpGoal,
@@ -79,7 +74,7 @@ impl Numeric {
         scale: f64,
         frames: &mut Frames,
     ) -> RestingPoint {
-        let mut descent = Descent { solver: self, goal, scale, frames, damping: 0.0, programs: MAX_PROGRAMS };
+        let mut descent = Descent { solver: self, goal, scale, frames, damping: 0.0 };
         let mut q = self.joints.kept(start);
         let mut here = descent.local(&q);
         descent.damping = FIRST_DAMPING * here.stiffness();
@@ -122,20 +117,11 @@ impl Descent<'_> {
         let (n, joints, length) = (self.solver.chain.axes(), &self.solver.joints, 1.0 / self.solver.scale);
         let bounds = joints.bounds(q, MAX_STRIDE, length);
         let most = MAX_DAMPING * here.stiffness().max(here.cost);
-        // A larger damping needs no second program: its step is shorter and meets fewer bounds.
-        let mut exact = self.programs > 0;
         while self.damping <= most {
             let mut h = here.h;
             joints.damp(&mut h, self.damping, self.solver.scale);
-            let step = bounded_step(n, &h, &here.b, &bounds);
-            let mut found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
-            let improvable = |step: &JointVector| holds_too_much(n, &h, &here.b, &bounds, step);
-            if found.is_none() && exact && step.as_ref().is_some_and(improvable) {
-                exact = false;
-                self.programs -= 1;
-                let step = exact_step(n, &h, &here.b, &bounds);
-                found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
-            }
+            let step = exact_step(n, &h, &here.b, &bounds);
+            let found = step.and_then(|step| self.better(&joints.moved(q, &step), here));
             if found.is_some() {
                 self.damping = (self.damping * DAMPING_DECREASE).max(MIN_DAMPING);
                 return found;

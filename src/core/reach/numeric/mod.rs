@@ -6,9 +6,9 @@
 //! The descents start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
 //! (`starts`). A descent that stalls is abandoned after a few steps, because another start is cheaper. If all
 //! descents fail, a few full descents follow, which continue as long as the cost falls (`full_descent`). The
-//! cost is half the squared length of the twist. Where joint limits are active, full descents solve a
-//! quadratic program (`quadratic_program`). Full descents also explain why there is no solution
-//! (`shortfall`). The result depends neither on chance nor on an earlier call.
+//! cost is half the squared length of the twist. A quadratic program computes each step of a full descent
+//! (`quadratic_program`). Full descents also explain why there is no solution (`shortfall`). The result
+//! depends neither on chance nor on an earlier call.
 
 mod distinct;
 mod fast_descent;

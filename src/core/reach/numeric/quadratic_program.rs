@@ -1,40 +1,81 @@
-//! The bounded step of the joints as a quadratic program, solved by the library clarabel.
+//! The bounded step of the joints as a quadratic program, solved by a primal active-set method.
 
-use super::step::{NormalMatrix, StepBounds};
+use super::step::{NormalMatrix, StepBounds, bounded_step, entry, solve_free};
 use crate::cell::{JointVector, MAX_JOINTS};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-/// Returns the step d that minimizes `d^T H d / 2 - b . d` within `bounds`; None if the solver fails.
+/// Largest number of systems of equations of one program. Few programs need more than the number of joints.
+const MAX_SYSTEMS: usize = 8 * MAX_JOINTS;
+/// Least derivative of the cost at a bound for which a joint leaves this bound, as a share of the largest
+/// entry of the gradient.
+const MIN_SLOPE: f64 = 1e-12;
+
+/// Returns the step d that minimizes `d^T H d / 2 - b . d` within `bounds`; None if H is not positive definite.
 ///
-/// The matrix H is given by its lower triangle `h`. This function takes a hundred times as long as
-/// [`super::step::bounded_step`]. Unlike `bounded_step`, this function frees every joint that would lower the
-/// cost by leaving its bound.
+/// The lower triangle of H is `h`. The method starts at the step of [`bounded_step`]. While the cost falls if
+/// a joint leaves its bound, this joint becomes free, and the method goes towards the minimum of the free
+/// joints, up to the first bound (J. Nocedal, S. J. Wright, Numerical Optimization, 2006, algorithm 16.3).
 pub(super) fn exact_step(
     n: usize,
     h: &NormalMatrix,
     b: &JointVector,
     bounds: &StepBounds,
 ) -> Option<JointVector> {
-    let lower = || (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
-    // clarabel reads the upper triangle.
-    let (rows, columns): (Vec<_>, Vec<_>) = lower().map(|(i, j)| (j, i)).unzip();
-    let p = CscMatrix::new_from_triplets(n, n, rows, columns, lower().map(|(i, j)| h[i][j]).collect());
-    let linear: Vec<f64> = b[..n].iter().map(|b| -b).collect();
-    // Rows of A d <= b: d <= hi and -d <= -lo.
-    let columns = (0..n).chain(0..n).collect();
-    let signs = (0..2 * n).map(|row| if row < n { 1.0 } else { -1.0 }).collect();
-    let a = CscMatrix::new_from_triplets(2 * n, n, (0..2 * n).collect(), columns, signs);
-    let least = bounds[..n].iter().map(|(lo, _)| -lo);
-    let limits: Vec<f64> = bounds[..n].iter().map(|(_, hi)| *hi).chain(least).collect();
-    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-    let cones = [NonnegativeConeT(2 * n)];
-    let mut solver = DefaultSolver::new(&p, &linear, &a, &limits, &cones, settings).ok()?;
-    solver.solve();
-    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    let mut step = [0.0; MAX_JOINTS];
-    for ((step, x), (lo, hi)) in step.iter_mut().zip(&solver.solution.x).zip(bounds) {
-        *step = x.clamp(*lo, *hi);
+    let mut step = bounded_step(n, h, b, bounds)?;
+    let mut held = [false; MAX_JOINTS];
+    (0..n).for_each(|i| held[i] = step[i] <= bounds[i].0 || step[i] >= bounds[i].1);
+    let least = MIN_SLOPE * b[..n].iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+    for _ in 0..MAX_SYSTEMS {
+        let Some(freed) = leaving(n, h, b, bounds, &step, &held, least) else { return Some(step) };
+        held[freed] = false;
+        loop {
+            let mut free = step;
+            solve_free(n, h, b, &held, &mut free)?;
+            let Some((share, bound)) = first_bound(n, bounds, &step, &free, &held) else {
+                step = free;
+                break;
+            };
+            (0..n).filter(|&i| !held[i]).for_each(|i| step[i] += share * (free[i] - step[i]));
+            step[bound] = if free[bound] < bounds[bound].0 { bounds[bound].0 } else { bounds[bound].1 };
+            held[bound] = true;
+        }
     }
-    solved.then_some(step)
+    // Rounding errors can repeat the same changes. The step is within the bounds at any time.
+    Some(step)
+}
+
+/// Returns the held joint by whose release the cost falls most steeply; None if the cost falls by no release.
+///
+/// A release lowers the cost if the Lagrange multiplier of the bound has the wrong sign.
+fn leaving(
+    n: usize,
+    h: &NormalMatrix,
+    b: &JointVector,
+    bounds: &StepBounds,
+    step: &JointVector,
+    held: &[bool; MAX_JOINTS],
+    least: f64,
+) -> Option<usize> {
+    let fall = |i: usize| {
+        let slope = (0..n).map(|j| entry(h, i, j) * step[j]).sum::<f64>() - b[i];
+        if step[i] <= bounds[i].0 { -slope } else { slope }
+    };
+    let movable = (0..n).filter(|&i| held[i] && bounds[i].0 < bounds[i].1);
+    let falls = movable.map(|i| (fall(i), i)).filter(|(fall, _)| *fall > least);
+    falls.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+}
+
+/// Returns the first bound between `step` and `free`: the share of this way in [0, 1] and the joint. Returns
+/// None if `free` is within the bounds.
+fn first_bound(
+    n: usize,
+    bounds: &StepBounds,
+    step: &JointVector,
+    free: &JointVector,
+    held: &[bool; MAX_JOINTS],
+) -> Option<(f64, usize)> {
+    let share = |i: usize| {
+        let bound = free[i].clamp(bounds[i].0, bounds[i].1);
+        (bound != free[i]).then(|| ((bound - step[i]) / (free[i] - step[i]), i))
+    };
+    (0..n).filter(|&i| !held[i]).filter_map(share).min_by(|a, b| a.0.total_cmp(&b.0))
 }

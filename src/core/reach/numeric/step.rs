@@ -39,35 +39,16 @@ pub(super) fn bounded_step(
     }
 }
 
-/// Returns whether a step of [`bounded_step`] holds a joint at a bound although leaving the bound would lower
-/// the cost.
-///
-/// In this case, the Lagrange multiplier of the bound has the wrong sign.
-pub(super) fn holds_too_much(
-    n: usize,
-    h: &NormalMatrix,
-    b: &JointVector,
-    bounds: &StepBounds,
-    step: &JointVector,
-) -> bool {
-    let at = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
-    (0..n).any(|i| {
-        let slope = (0..n).map(|j| at(i, j) * step[j]).sum::<f64>() - b[i];
-        step[i] <= bounds[i].0 && slope < 0.0 || step[i] >= bounds[i].1 && slope > 0.0
-    })
-}
-
 /// Solves for the steps of the free joints; the joints in `held` keep their values in `step`.
 ///
 /// Returns None if the matrix of the free joints is not positive definite.
-fn solve_free(
+pub(super) fn solve_free(
     n: usize,
     h: &NormalMatrix,
     b: &JointVector,
     held: &[bool; MAX_JOINTS],
     step: &mut JointVector,
 ) -> Option<()> {
-    let at = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
     let (mut free, mut count) = ([0; MAX_JOINTS], 0);
     for i in (0..n).filter(|&i| !held[i]) {
         free[count] = i;
@@ -75,10 +56,10 @@ fn solve_free(
     }
     let (mut part, mut right) = (NormalMatrix::default(), JointVector::default());
     for (k, &i) in free[..count].iter().enumerate() {
-        let pulled: f64 = (0..n).filter(|&j| held[j]).map(|j| at(i, j) * step[j]).sum();
+        let pulled: f64 = (0..n).filter(|&j| held[j]).map(|j| entry(h, i, j) * step[j]).sum();
         right[k] = b[i] - pulled;
         for (l, &j) in free[..=k].iter().enumerate() {
-            part[k][l] = at(i, j);
+            part[k][l] = entry(h, i, j);
         }
     }
     solve(count, &part, &mut right)?;
@@ -86,6 +67,11 @@ fn solve_free(
         step[i] = d;
     }
     Some(())
+}
+
+/// Returns an entry of the symmetric matrix H, whose lower triangle is `h`.
+pub(super) fn entry(h: &NormalMatrix, i: usize, j: usize) -> f64 {
+    if i >= j { h[i][j] } else { h[j][i] }
 }
 
 /// Replaces `b` by the solution of `H x = b` (Cholesky decomposition); None if H is not positive definite.
