@@ -34,6 +34,8 @@ pub(super) struct Coordinates {
     pub count: usize,
     /// Matrix D of `theta = D y`, where `y` are the coordinates and `theta` the joint displacements.
     pub to_theta: JointMatrix,
+    /// Entries of D that are not zero, as triples (row, column, value), row by row.
+    entries: Vec<(usize, usize, f64)>,
     /// Joint limits as triples (row, low, high): `low <= row . y <= high` for the coordinates `y`.
     pub limits: Vec<(JointValues, f64, f64)>,
     /// Least value of each coordinate in the box that holds all postures within the limits.
@@ -80,6 +82,8 @@ impl Coordinates {
             let next = (i + 1..count).find(revolute).filter(|&next| parallel(i, next));
             (i + 1..=next.unwrap_or(count)).for_each(|link| turning[link] |= 1 << i);
         }
+        let places = (0..count).flat_map(|i| (0..=i).map(move |k| (i, k)));
+        let entries = places.map(|(i, k)| (i, k, to_theta[i][k])).filter(|entry| entry.2 != 0.0).collect();
         let mut angles = [0.0; MAX_JOINTS];
         for (k, sum) in angles.iter_mut().enumerate() {
             *sum = (0..count).filter(revolute).map(|i| to_theta[i][k].abs()).sum();
@@ -92,6 +96,7 @@ impl Coordinates {
         let mut this = Self {
             count,
             to_theta,
+            entries,
             limits: Vec::new(),
             low: [0.0; MAX_JOINTS],
             high: [0.0; MAX_JOINTS],
@@ -179,21 +184,22 @@ impl Coordinates {
     /// The gradient g becomes `D^T g`, and the Hessian H becomes `D^T H D`.
     pub fn derivatives(&self, gradient: &JointValues, hessian: &JointMatrix) -> (JointValues, JointMatrix) {
         let n = self.count;
-        let (mut g, mut half, mut h) =
-            ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
-        for i in 0..n {
-            for k in (0..=i).filter(|&k| self.to_theta[i][k] != 0.0) {
-                let d = self.to_theta[i][k];
-                g[k] += d * gradient[i];
-                (0..n).for_each(|j| half[k][j] += d * hessian[i.min(j)][i.max(j)]);
-            }
+        let (mut half, mut h) = ([[0.0; MAX_JOINTS]; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
+        for (i, k, d) in &self.entries {
+            (0..n).for_each(|j| half[*k][j] += d * hessian[(*i).min(j)][(*i).max(j)]);
         }
-        for (i, row) in half.iter().enumerate().take(n) {
-            for (d, value) in self.to_theta.iter().zip(row).take(n) {
-                (0..n).for_each(|k| h[i][k] += d[k] * value);
-            }
+        for (row, half) in h.iter_mut().zip(&half).take(n) {
+            self.entries.iter().for_each(|(j, k, d)| row[*k] += d * half[*j]);
         }
-        (g, h)
+        (self.gradient(gradient), h)
+    }
+
+    /// Converts the gradient g with respect to theta to the gradient `D^T g` with respect to y, where `theta =
+    /// D y`.
+    pub fn gradient(&self, gradient: &JointValues) -> JointValues {
+        let mut g = [0.0; MAX_JOINTS];
+        self.entries.iter().for_each(|(i, k, d)| g[*k] += d * gradient[*i]);
+        g
     }
 }
 

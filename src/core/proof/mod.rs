@@ -61,6 +61,7 @@ mod base_height;
 mod base_rows;
 mod branch_and_bound;
 mod configuration_choice;
+mod constrained_quantity;
 mod coordinates;
 mod first_joint;
 mod joint_box;

@@ -12,14 +12,14 @@ use super::planar_arm::facing;
 use super::refusal::refuse;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::self_collision::SelfCollisionCheck;
-use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
+use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, radius, rates};
 use super::value_bound::{EffectSum, ValueSum};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model, Reading, Row, Unit};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
 use crate::reading::{ErrorEvaluator, ErrorSource, EvaluatorScratch, WorkContext, WorkFrame};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 
 /// Number of angles that are tried for a joint without a coordinate, when the value of a posture is computed.
@@ -30,10 +30,10 @@ pub(super) struct Task<'a> {
     evaluator: &'a ErrorEvaluator,
     workcell: &'a Workcell,
     situation: WorkContext,
-    screws: Screws,
+    pub screws: Screws,
     pub coordinates: Coordinates,
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the TCP.
-    to_tip: RigidPieces,
+    pub to_tip: RigidPieces,
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the measured point. The
     /// measured point is the point whose error the sense measures.
     to_point: RigidPieces,
@@ -255,42 +255,6 @@ impl<'a> Task<'a> {
     /// Returns the nominal chain at the posture with the [`Coordinates`] `y`.
     pub fn place(&self, y: &JointValues) -> PosedScrews {
         self.screws.place(&self.coordinates.theta(y))
-    }
-
-    /// Returns the Taylor model of the [`ConstrainedQuantity`] of a constraint over a box with the half
-    /// widths `radii`.
-    pub fn constraint(&self, constraint: &Constraint, placed: &PosedScrews, radii: &JointValues) -> Taylor {
-        let (gradient, hessian, rest) = match constraint.of {
-            ConstrainedQuantity::Height => {
-                let (g, h) = along(
-                    &self.screws,
-                    placed,
-                    &rates(&self.screws, placed, Some(&placed.tip)),
-                    &Vector3::z(),
-                );
-                (g, h, self.to_tip.turned(&self.coordinates, radii, 0, 0, 3))
-            }
-            ConstrainedQuantity::Axis(direction) => {
-                let (g, h) = along(&self.screws, placed, &rates(&self.screws, placed, None), &direction);
-                let last = self.coordinates.turning[self.coordinates.count];
-                (g, h, radius(radii, last).powi(3))
-            }
-            ConstrainedQuantity::RadiusSquared => {
-                let rates = rates(&self.screws, placed, Some(&placed.tip));
-                let level = Vector3::new(placed.tip.x, placed.tip.y, 0.0);
-                let (mut g, mut h) = along(&self.screws, placed, &rates, &(level * 2.0));
-                g[self.coordinates.count..].fill(0.0);
-                for i in 0..self.coordinates.count {
-                    (i..self.coordinates.count)
-                        .for_each(|j| h[i][j] += 2.0 * rates[i].xy().dot(&rates[j].xy()));
-                }
-                let [one, two, three] =
-                    [1, 2, 3].map(|power| self.to_tip.turned(&self.coordinates, radii, 0, 0, power));
-                (g, h, 2.0 * (self.reach() * three + 3.0 * one * two))
-            }
-        };
-        let (gradient, hessian) = self.coordinates.derivatives(&gradient, &hessian);
-        Taylor { value: constraint.value(&placed.tip, &placed.tool), gradient, hessian, rest: rest / 6.0 }
     }
 
     /// Returns the Taylor model of a lower bound of the value over a box with the half widths `radii` about

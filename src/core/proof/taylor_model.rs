@@ -99,6 +99,13 @@ pub(super) fn rates(
     rates
 }
 
+/// Returns the first derivatives of `eta . x` with respect to the joint displacements.
+///
+/// Here x is the point or axis with the first derivatives `rates`.
+pub(super) fn slopes(rates: &[Vector3<f64>; MAX_JOINTS], eta: &Vector3<f64>) -> JointValues {
+    rates.map(|rate| eta.dot(&rate))
+}
+
 /// Returns the first and second derivatives of `eta . x` with respect to the joint displacements.
 ///
 /// Here x is the point or axis with the first derivatives `rates`. Let joint i be revolute, with the axis
@@ -110,15 +117,14 @@ pub(super) fn along(
     rates: &[Vector3<f64>; MAX_JOINTS],
     eta: &Vector3<f64>,
 ) -> (JointValues, JointMatrix) {
-    let (mut gradient, mut hessian) = ([0.0; MAX_JOINTS], [[0.0; MAX_JOINTS]; MAX_JOINTS]);
+    let mut hessian = [[0.0; MAX_JOINTS]; MAX_JOINTS];
     for (i, kind) in screws.kinds.iter().enumerate() {
-        gradient[i] = eta.dot(&rates[i]);
         if *kind == JointKind::Revolute {
             let turned = eta.cross(&placed.axes[i]);
             (i..screws.kinds.len()).for_each(|j| hessian[i][j] = turned.dot(&rates[j]));
         }
     }
-    (gradient, hessian)
+    (slopes(rates, eta), hessian)
 }
 
 /// Rigid segments of a chain. Segment k leads from joint axis k to the next axis, and the last segment

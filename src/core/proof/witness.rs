@@ -3,7 +3,6 @@
 
 use super::region::Constraint;
 use super::task::Task;
-use super::taylor_model::Taylor;
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, PosedScrews};
 use crate::reading::EvaluatorScratch;
@@ -53,9 +52,14 @@ pub(super) fn kept_near(
     const MAX_STEPS: usize = 12;
     for _ in 0..MAX_STEPS {
         let placed = task.place(&y);
-        let all = task.constraints.iter().map(|c| (*c, task.constraint(c, &placed, &[0.0; MAX_JOINTS])));
-        let missed = |c: &Constraint, t: &Taylor| (t.value - t.value.clamp(c.low, c.high)).abs();
-        let off: Vec<(Constraint, Taylor)> = all.filter(|(c, t)| missed(c, t) > TOLERANCE).take(4).collect();
+        let excess = |c: &Constraint| {
+            let value = c.value(&placed.tip, &placed.tool);
+            value - value.clamp(c.low, c.high)
+        };
+        let missed = task.constraints.iter().map(|c| (c, excess(c))).filter(|(_, by)| by.abs() > TOLERANCE);
+        // Each missed constraint with its excess and the gradient of its quantity.
+        let off: Vec<(f64, JointValues)> =
+            missed.take(4).map(|(c, by)| (by, task.gradient(c, &placed))).collect();
         if off.is_empty() {
             let inside = task.coordinates.limits.iter().zip(task.coordinates.actuators(&y));
             let kept = inside
@@ -65,16 +69,16 @@ pub(super) fn kept_near(
             return is_usable.then_some((y, placed));
         }
         let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
-        for (i, (c, a)) in off.iter().enumerate() {
+        for (i, (by, a)) in off.iter().enumerate() {
             for (j, (_, b)) in off.iter().enumerate() {
-                normal[(i, j)] = a.gradient.iter().zip(&b.gradient).map(|(a, b)| a * b).sum();
+                normal[(i, j)] = a.iter().zip(b).map(|(a, b)| a * b).sum();
             }
             normal[(i, i)] += 1e-12;
-            right[i] = a.value - a.value.clamp(c.low, c.high);
+            right[i] = *by;
         }
         let step = normal.lu().solve(&right)?;
         for (i, y) in y.iter_mut().enumerate() {
-            let by: f64 = off.iter().zip(step.iter()).map(|((_, a), step)| a.gradient[i] * step).sum();
+            let by: f64 = off.iter().zip(step.iter()).map(|((_, a), step)| a[i] * step).sum();
             *y = (*y - by).clamp(low[i], high[i]);
         }
     }
