@@ -15,9 +15,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Number of the shortest intervals in the range of the height.
-const PARTS: f64 = 64.0;
-/// Relative gap at which the bound of one operation is accepted in an interval of the height.
-const INTERVAL_GAP: f64 = 1e-3;
+const PARTS: f64 = 128.0;
 /// Number of intervals that are examined per round, in parallel.
 const INTERVALS_PER_ROUND: usize = 4;
 
@@ -53,7 +51,8 @@ pub(super) fn least_of_shared_height(
         height => vec![height.range()],
     };
     let shortest = ranges.iter().map(|(low, high)| high - low).fold(0.0, f64::max) / PARTS;
-    let options = &ProofOptions { gap: options.gap.max(INTERVAL_GAP), known: None, ..options.clone() };
+    let options = &ProofOptions { known: None, ..options.clone() };
+    let most_boxes = options.boxes.saturating_mul(operations.len() as u64);
     let values: Vec<f64> = operations.iter().map(|o| o.value.unwrap_or(0.0)).collect();
     let bound = combined(&workcell.cell, &values);
     let start =
@@ -65,7 +64,7 @@ pub(super) fn least_of_shared_height(
         open.retain(|interval| interval.bound < least);
         open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
         let lowest = open.last().map_or(least, |interval| interval.bound);
-        if open.is_empty() || boxes >= options.boxes || stop.load(Ordering::Relaxed) {
+        if open.is_empty() || boxes >= most_boxes || stop.load(Ordering::Relaxed) {
             return lowest.is_finite().then_some(lowest);
         }
         let round = open.split_off(open.len().saturating_sub(INTERVALS_PER_ROUND));

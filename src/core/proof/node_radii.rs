@@ -32,7 +32,7 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
 /// Largest number of parts into which the search divides the extent of the nodes.
-const MAX_PARTS: f64 = 48.0;
+const MAX_PARTS: f64 = 96.0;
 /// Least horizontal component of the tool axis with which a tool counts as leaning.
 const LEAST_LEAN: f64 = 1e-6;
 /// Largest number of joints with a coordinate for which the surroundings of a single node are examined. For

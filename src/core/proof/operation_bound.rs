@@ -33,10 +33,16 @@ pub(super) fn of_regions(
         (OperationBound { value: Err(WhyNot::Infeasible), boxes: 0, witness: None }, false);
     // Least bound of the regions in which no placement lets the arm reach every node.
     let mut out_of_reach: Option<f64> = None;
+    let mut bounds: Vec<(&OperationRegion, OperationBound)> = Vec::with_capacity(regions.len());
     for region in regions {
-        let best = all.witness.map(|w| w.0).into_iter().chain(known).reduce(f64::min);
-        let (mut one, stopped) = of_operation(workcell, region, best, options, stop);
+        let best = bounds.iter().filter_map(|(_, b)| b.witness.map(|w| w.0)).chain(known).reduce(f64::min);
+        let (one, stopped) = of_operation(workcell, region, best, options, stop);
         interrupted |= stopped;
+        bounds.push((region, one));
+    }
+    // The bound of every node in the first region excludes most of the other regions.
+    bounds.sort_by(|a, b| a.1.value.unwrap_or(0.0).total_cmp(&b.1.value.unwrap_or(0.0)));
+    for (region, mut one) in bounds {
         if let (NodesBounded::Every, Ok(start)) = (nodes, one.value) {
             // A bound above the bound of another region is of no use.
             let enough = all.value.ok().into_iter().chain(known).fold(f64::INFINITY, f64::min);
