@@ -21,6 +21,8 @@ pub struct JointEnclosure {
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,
+    /// Half widths of the coordinates of a [`PosedChain`] about the nominal posture, rad or m.
+    pub coordinates: Rows,
     /// Upper bound of the angle by which the tool rotates relative to the surface, rad.
     pub tool_turn: f64,
 }
@@ -40,6 +42,7 @@ impl JointEnclosure {
         half: [0.0; MAX_JOINTS],
         first: [[0.0; MAX_JOINTS]; BoxAxis::COUNT],
         bend: [0.0; MAX_JOINTS],
+        coordinates: [0.0; MAX_ROWS],
         tool_turn: 0.0,
     };
 
@@ -118,40 +121,6 @@ impl JointEnclosure {
         Ok(())
     }
 
-    /// Returns an upper bound of the change of the geometric Jacobian in the enclosure. The change is
-    /// measured by its Frobenius norm, with lengths divided by `reach` (m).
-    ///
-    /// Each column of the Jacobian refers to one actuator.
-    pub fn jacobian_change(&self, chain: &Chain, task: &ToolTask, frames: &Frames, reach: f64) -> f64 {
-        let posed = PosedChain::new(chain, task, frames);
-        let total: f64 = self.half.iter().sum();
-        let length: f64 = posed.pieces.iter().map(|piece| piece.length).sum::<f64>() + total;
-        let mut squares = 0.0;
-        for k in 0..chain.axes() {
-            let (mut moved, mut turned) = (0.0, 0.0);
-            for j in (0..chain.axes()).filter(|&j| posed.turns(j)) {
-                let (low, high) = (j.min(k), j.max(k));
-                if posed.turns(low) {
-                    moved += self.half[j] * posed.axes[low].cross(&posed.moved[high]).norm();
-                }
-                if j < k && posed.turns(k) {
-                    turned += self.half[j] * posed.axes[j].cross(&posed.axes[k]).norm();
-                }
-            }
-            for j in (k + 1..chain.axes()).filter(|&j| !posed.turns(j) && posed.turns(k)) {
-                moved += self.half[j] * posed.axes[k].cross(&posed.moved[j]).norm();
-            }
-            moved += total * total * length / 2.0;
-            turned += total * total / 2.0;
-            squares += (moved / reach).powi(2) + turned.powi(2);
-        }
-        // The coupling multiplies the columns.
-        let coupling = &chain.coupling;
-        let is_coupled = (0..chain.axes()).any(|i| (0..i).any(|j| coupling[i][j] != 0.0));
-        let factor = coupling.iter().flatten().map(|c| c * c).sum::<f64>().sqrt();
-        squares.sqrt() * if is_coupled { factor } else { 1.0 }
-    }
-
     /// Returns an upper bound of the displacement of the points in a ball, m. The ball is fixed to the link
     /// frame with the index `frame`. The displacement is relative to the link frame with the index `first`.
     ///
@@ -198,6 +167,8 @@ impl JointEnclosure {
             }
             all
         };
+        let coordinates: Rows =
+            std::array::from_fn(|k| first.iter().map(|steps| steps[k].abs()).sum::<f64>() + bend[k]);
         let first = first.each_ref().map(|steps| theta(steps, |factor| factor));
         let bend = theta(bend, f64::abs);
         let half: JointVector =
@@ -211,7 +182,7 @@ impl JointEnclosure {
             (false, RotationRow::Joints(_)) => half[0] + target.yaw,
             (false, RotationRow::Along(_)) => half.iter().sum::<f64>() + target.yaw,
         };
-        Self { half, first, bend, tool_turn }
+        Self { half, first, bend, coordinates, tool_turn }
     }
 }
 

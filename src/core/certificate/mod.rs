@@ -21,6 +21,7 @@
 //! | `misplacements` | bounds of the motion of solids |
 //! | `value_bound` | upper bound of the value |
 
+mod jacobian_change;
 mod joint_enclosure;
 mod misplacements;
 mod posed_chain;

@@ -118,6 +118,12 @@ impl<'a> PosedChain<'a> {
         self.chain.links[joint].kind == JointKind::Revolute
     }
 
+    /// Returns whether the first coordinate rotates the whole arm about its first axis.
+    pub fn begins_with_rotation_of_arm(&self) -> bool {
+        let is_alone = (1..self.task.rows).all(|k| self.to_theta[k][0] == 0.0);
+        self.task.active[0] == 0 && self.turns(0) && is_alone
+    }
+
     /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool. The function
     /// `joints` multiplies each joint rate by a given coefficient and returns the sum.
     fn rows(
@@ -188,11 +194,7 @@ impl<'a> PosedChain<'a> {
         for (a, &j) in active.iter().enumerate() {
             let mut by_theta = [[0.0; MAX_ROWS]; MAX_ROWS];
             for (column, &k) in by_theta.iter_mut().zip(active) {
-                let (low, high) = (j.min(k), j.max(k));
-                let none = Vector3::zeros();
-                let moved = if self.turns(low) { self.axes[low].cross(&self.moved[high]) } else { none };
-                let turns = j < k && self.turns(j) && self.turns(k);
-                let turn = if turns { self.axes[j].cross(&self.axes[k]) } else { none };
+                let (moved, turn) = self.column_rate(k, j);
                 *column = self.rows(&moved, &turn, |_| 0.0);
             }
             let by_coordinates = self.by_coordinates(&by_theta);
@@ -207,6 +209,16 @@ impl<'a> PosedChain<'a> {
             matrix[..n].iter_mut().for_each(|column| *column = times(n, inverse, column));
         }
         all
+    }
+
+    /// Returns the derivative of column `k` of the geometric Jacobian with respect to the D-H coordinate of
+    /// joint `j`: the change of the motion of the TCP, and the change of the rotation.
+    pub fn column_rate(&self, k: usize, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let (low, high) = (j.min(k), j.max(k));
+        let none = Vector3::zeros();
+        let moved = if self.turns(low) { self.axes[low].cross(&self.moved[high]) } else { none };
+        let turns = j < k && self.turns(j) && self.turns(k);
+        (moved, if turns { self.axes[j].cross(&self.axes[k]) } else { none })
     }
 
     /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the
