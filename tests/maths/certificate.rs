@@ -9,13 +9,13 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use sweetspot::assess::Assessment;
-use sweetspot::cell::{Cell, Slot};
+use sweetspot::cell::{Cell, Placement, Slot};
 use sweetspot::cli::first_cell_texts;
 use sweetspot::error_map::Status;
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::region::{Region, Regions};
 use sweetspot::search::{EvaluatedLayout, SearchSpace, Watch, search};
-use sweetspot::units::{deg_from_rad, mm_from_m, rad_from_deg};
+use sweetspot::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 
 /// Numbers of certified and refused operations, and the largest ratio of a certified bound to the worst value
 /// found.
@@ -72,8 +72,8 @@ impl Tried {
 }
 
 /// Certifies random layouts of a shipped cell, and misplaces the certified layouts.
-fn misplace_cell(name: &str, layouts: usize, count: usize) -> Tried {
-    let workcell = Workcell::new(buildable(name)).unwrap();
+fn misplace_cell(cell: Cell, layouts: usize, count: usize) -> Tried {
+    let workcell = Workcell::new(cell).unwrap();
     let space = SearchSpace::new(&workcell.cell);
     let mut rng = ChaCha8Rng::seed_from_u64(15);
     let mut tried = Tried::default();
@@ -98,7 +98,7 @@ fn no_misplacement_breaks_a_certificate() {
         ("track_cell.toml", 1),
         ("panda_cell.toml", 1),
     ] {
-        let tried = misplace_cell(name, cases(layouts, 20 * layouts), cases(20, 1000));
+        let tried = misplace_cell(buildable(name), cases(layouts, 20 * layouts), cases(20, 1000));
         let Tried { certified, refused, widest } = tried;
         println!(
             "{name}: {certified} certified, {refused:?} refused, bound at most {widest:.4} of the worst"
@@ -107,6 +107,43 @@ fn no_misplacement_breaks_a_certificate() {
         // A bound far above every value would hold but would be useless.
         assert!(widest < 1.15, "{name}: {widest}");
     }
+}
+
+/// Every posture of these cells has a singularity measure near the margin: the margin is raised to a typical
+/// measure of the arm.
+#[test]
+fn no_misplacement_breaks_a_large_singularity_margin() {
+    for (name, margin, layouts) in [
+        ("five_axis_cell.toml", 0.15, 20),
+        ("scara_cell.toml", 0.2, 20),
+        ("palletizer_cell.toml", 0.15, 20),
+        ("wrist_cell.toml", 0.05, 10),
+        ("ur_cell.toml", 0.05, 5),
+        ("track_cell.toml", 0.1, 2),
+        ("panda_cell.toml", 0.1, 2),
+    ] {
+        let mut cell = buildable(name);
+        cell.margins.singularity = margin;
+        let tried = misplace_cell(cell, cases(layouts, 20 * layouts), cases(50, 1000));
+        let Tried { certified, refused, .. } = tried;
+        println!("{name}: {certified} certified, {refused:?} refused");
+        assert!(certified > 0, "{name}");
+    }
+}
+
+/// The arm is folded, and its singularity measure is 0.16. The certificate must not take it for a posture below
+/// the margin of 0.02.
+#[test]
+fn a_folded_posture_far_from_singular_postures_is_certified() {
+    let workcell = Workcell::new(buildable("five_axis_cell.toml")).unwrap();
+    let mut layout = workcell.cell.start();
+    let placement = |x, y, z, yaw| {
+        Placement::from_values([m_from_mm(x), m_from_mm(y), m_from_mm(z), rad_from_deg(yaw)])
+    };
+    layout.placements = vec![placement(462.0, 34.0, 800.0, -27.9), placement(76.0, -241.0, 700.0, -12.5)];
+    let a = Assessment::new("", &workcell, layout);
+    let certificate = workcell.certificate(&a.layout, &a.maps);
+    assert!(matches!(certificate.operations[1], Some(Ok(_))), "{:?}", certificate.operations[1]);
 }
 
 #[test]

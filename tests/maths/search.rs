@@ -57,7 +57,7 @@ fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
 
 /// In drilling_cell, a better layout has another listed height of the table and another height of the base.
 /// A converged run of a solver cannot change both heights together, so the restarts must do it. The lower
-/// bound of the objective is 32.37 mm. Searches that stay at 600 mm end 3.8 to 4.4 % above it.
+/// bound of the objective is 32.46 mm. Searches that stay at 600 mm end 3.8 to 4.4 % above it.
 #[test]
 fn restarts_leave_a_listed_value_that_a_run_chose_early() {
     let workcell = Workcell::new(buildable("drilling_cell.toml")).unwrap();
@@ -66,7 +66,7 @@ fn restarts_leave_a_listed_value_that_a_run_chose_early() {
     for seed in [2, 3] {
         let found = search(&workcell, &SearchSettings { seed, ..workcell.cell.search }, &watch);
         let least = mm_from_m(found.least.expect("feasible"));
-        assert!((32.37..32.37 * 1.02).contains(&least), "seed {seed}: {least} mm");
+        assert!((32.46..32.46 * 1.02).contains(&least), "seed {seed}: {least} mm");
     }
 }
 
