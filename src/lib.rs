@@ -149,7 +149,9 @@ pub use sweetspot_core::{
 };
 // Internal modules that no user of the library needs.
 #[doc(hidden)]
-pub use sweetspot_core::{colours, contour, geometry, low_discrepancy, mesh, safe_text, svg_text};
+pub use sweetspot_core::{
+    certificate, colours, contour, geometry, low_discrepancy, mesh, safe_text, svg_text,
+};
 
 #[doc(hidden)]
 pub mod cli;

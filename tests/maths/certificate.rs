@@ -137,9 +137,8 @@ fn no_misplacement_breaks_a_large_singularity_margin() {
 fn a_folded_posture_far_from_singular_postures_is_certified() {
     let workcell = Workcell::new(buildable("five_axis_cell.toml")).unwrap();
     let mut layout = workcell.cell.start();
-    let placement = |x, y, z, yaw| {
-        Placement::from_values([m_from_mm(x), m_from_mm(y), m_from_mm(z), rad_from_deg(yaw)])
-    };
+    let placement =
+        |x, y, z, yaw| Placement::from_values([m_from_mm(x), m_from_mm(y), m_from_mm(z), rad_from_deg(yaw)]);
     layout.placements = vec![placement(462.0, 34.0, 800.0, -27.9), placement(76.0, -241.0, 700.0, -12.5)];
     let a = Assessment::new("", &workcell, layout);
     let certificate = workcell.certificate(&a.layout, &a.maps);

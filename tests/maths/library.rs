@@ -47,7 +47,7 @@ fn set_of(name: &str) -> &'static str {
     if name.starts_with("hitachi") { "table-2" } else { "placeholder" }
 }
 
-fn robot(name: &str) -> Robot {
+pub fn robot(name: &str) -> Robot {
     load(name, set_of(name), "").cell.robot
 }
 

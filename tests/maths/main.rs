@@ -28,6 +28,7 @@ mod front;
 mod heights;
 mod hypotheses;
 mod islands;
+mod jacobian_change;
 mod kinematics;
 mod layout;
 mod library;
