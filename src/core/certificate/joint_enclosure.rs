@@ -21,7 +21,8 @@ pub struct JointEnclosure {
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,
-    /// Half widths of the coordinates of a [`PosedChain`] about the nominal posture, rad or m.
+    /// Half widths about the nominal posture, rad or m, of the active joints. In a run of parallel axes, they
+    /// refer to the sums of the angles from the first joint of the run.
     pub coordinates: Rows,
     /// Upper bound of the angle by which the tool rotates relative to the surface, rad.
     pub tool_turn: f64,

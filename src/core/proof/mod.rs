@@ -38,6 +38,7 @@
 //! | `region` | the constraints of an operation in any layout |
 //! | `coordinates` | the coordinates of the boxes, and the joint limits in these coordinates |
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
+//! | `constrained_quantity` | value and derivatives of a constrained quantity |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `first_joint`, `last_joint` | joints without a coordinate, and errors whose directions they rotate |
