@@ -18,6 +18,7 @@
 //! | `target_box` | set of possible targets |
 //! | `joint_enclosure` | bounds of the joint coordinates for all targets in the target box |
 //! | `posed_chain` | test that the arm follows the target within these bounds |
+//! | `jacobian_change` | bound of the change of the Jacobian |
 //! | `misplacements` | bounds of the motion of solids |
 //! | `value_bound` | upper bound of the value |
 
