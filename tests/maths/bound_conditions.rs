@@ -14,7 +14,7 @@ use sweetspot::cell::{Cell, Coordinate, Layout, NodeAggregation};
 use sweetspot::clearance::{FloorPlan, Scene};
 use sweetspot::layout::Workcell;
 use sweetspot::pose::Pose;
-use sweetspot::proof::{Proof, ProofOptions, prove};
+use sweetspot::proof::{Proof, ProofOptions, WhyNot, prove};
 use sweetspot::robot::Chain;
 use sweetspot::search::{Watch, search};
 use sweetspot::units::rad_from_deg;
@@ -145,6 +145,24 @@ fn equipment_above_the_base_may_be_near_the_base_axis() {
     let distance = |z| FloorPlan::new(&cell).least_distance_from_base(0, z, (0.0, 0.2));
     assert!(distance((0.0, 0.05)) >= 0.085 - 1e-8);
     assert_eq!(distance((0.0, 0.5)), 0.0);
+}
+
+/// The table can only stand over the robot base, so no distance of its middle from the base axis is allowed.
+#[test]
+fn equipment_that_always_overlaps_the_base_is_infeasible() {
+    for robot in ["kuka_youbot", "ur10e"] {
+        let text = format!(
+            "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\n\
+             errors = \"placeholder\"\n[robot]\nfrom = \"robots/{robot}.toml\"\n\
+             base = {{ x_mm = 0, y_mm = 0, z_mm = 700, yaw_deg = 0 }}\n\
+             [equipment.bench]\nfrom = \"equipment/bench.toml\"\n[equipment.bench.placement]\n\
+             x_mm = {{ min = -10, max = 10, start = 0 }}\ny_mm = 0\nz_mm = 650\nyaw_deg = 0\n\
+             [operation.assembly]\non = \"bench\"\npoints_mm = [[0, 0]]\nstandoff_mm = 100\n\
+             bend_deg = -90\nsense = \"xy\"\n"
+        );
+        let proof = proof_of(&from_text_to_build(&text).unwrap().cell, 1000);
+        assert_eq!(proof.operations[0].value, Err(WhyNot::Infeasible), "{robot}");
+    }
 }
 
 /// Line ends beyond a joint limit raise the bound of drilling_cell, and the bound stays below the best layout.

@@ -79,8 +79,12 @@ impl<'a> Task<'a> {
     /// Prepares the task of bounding the value of an operation over a region.
     ///
     /// # Errors
-    /// Returns the reason if no bound is known for this operation.
+    /// Returns the reason if no bound is known for this operation, or if the region is empty.
     pub fn new(workcell: &'a Workcell, region: &OperationRegion) -> Result<Self, WhyNot> {
+        // In a region without any distance from the base axis, the equipment always overlaps the robot base.
+        if region.radius.is_some_and(|(low, high)| low > high) {
+            return Err(WhyNot::Infeasible);
+        }
         let cell = &workcell.cell;
         let (operation, evaluator) =
             (&cell.operations[region.operation], workcell.evaluator(region.operation));
