@@ -117,6 +117,7 @@ impl Displacement {
     ///
     /// The vector `arm` (m) leads from the reference point of `self` to the other point. The displacement of
     /// the other point is `p + w x arm`, where p is `position` and w is `rotation`.
+    #[inline]
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }

@@ -6,6 +6,7 @@ use super::family_queue::FamilyQueue;
 use super::node_ranking::NodeRanking;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
+use super::spin_families::FamilyBounds;
 use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::cell::NodeAggregation;
@@ -177,12 +178,13 @@ impl OperationQuery<'_> {
         has_families: bool,
         memory: &mut WalkMemory<'_>,
     ) -> Result<Option<Outcome>, Gap> {
-        self.collect_postures(node, target, has_families, memory)?;
+        self.collect_postures(node, target, has_families.then_some(FamilyBounds::Posture), memory)?;
         self.judge_collected(&target, has_families, memory)
     }
 
     /// Collects the spin families of one node, and the candidates that belong to no family. The first members
-    /// of the families are added to [`PostureMemory::firsts`].
+    /// of the families are added to [`PostureMemory::firsts`]. The families get bounds from `bounds`; without
+    /// it, every posture is a candidate of its own.
     ///
     /// # Errors
     /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
@@ -190,15 +192,15 @@ impl OperationQuery<'_> {
         &self,
         node: usize,
         target: Vector3<f64>,
-        has_families: bool,
+        bounds: Option<FamilyBounds<'_>>,
         memory: &mut WalkMemory<'_>,
     ) -> Result<(), Gap> {
         let WalkMemory { candidates, families, postures, .. } = memory;
         candidates.clear();
         families.clear();
-        let missed = if has_families {
+        let missed = if let Some(bounds) = bounds {
             let mut others = NodeCandidates::<false> { candidates, missed: None };
-            self.visit_families(node, target, None, postures, families, &mut others);
+            self.visit_families(node, target, bounds, postures, families, &mut others);
             others.missed
         } else {
             let mut all = NodeCandidates::<true> { candidates, missed: None };

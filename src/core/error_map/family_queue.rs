@@ -26,8 +26,9 @@ pub struct SpinFamily {
 /// What an entry of the queue stands for, and where its bound comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FamilyStage {
-    /// A whole family, with the bound of its configuration in the value field.
-    Tabulated,
+    /// A whole family whose bound was not computed at its posture. The bound is that of its configuration in
+    /// the value field, or 0.
+    Preliminary,
     /// A whole family, with a bound computed at its posture.
     Bounded,
     /// A single member, with a bound of this kind.

@@ -153,7 +153,8 @@ impl OperationQuery<'_> {
         ranking: &mut NodeRanking,
         postures: &mut PostureMemory,
     ) -> FirstFree {
-        let mut is_nearest_known = false;
+        // A value that is not the least one need not be known exactly.
+        let (mut is_nearest_known, mut least) = (false, f64::INFINITY);
         self.first_free(postures, |memory| {
             loop {
                 while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
@@ -175,7 +176,11 @@ impl OperationQuery<'_> {
                     is_nearest_known = true;
                     return Some(candidate);
                 }
-                heap.extend(self.sharpened(&candidate, memory));
+                let sharpened = self.sharpened(&candidate, least, memory);
+                if let Some(PostureCandidate { spot, certainty: Certainty::Value, .. }) = &sharpened {
+                    least = least.min(spot.value);
+                }
+                heap.extend(sharpened);
             }
         })
     }

@@ -91,12 +91,14 @@ impl OperationSetup {
     }
 
     /// Returns the value, or a lower bound that is sharper than a bound of the kind `certainty`. The returned
-    /// [`Certainty`] is the kind of the returned number.
+    /// [`Certainty`] is the kind of the returned number. A bound above `enough` (m or rad) need not be
+    /// sharpened further.
     pub fn sharpened(
         &self,
         certainty: Certainty,
         context: &WorkContext,
         frames: &Frames,
+        enough: f64,
         memory: &mut ValueScratch,
     ) -> (f64, Certainty) {
         let searches = !self.is_priced && self.evaluator.has_sharp_worst_bound();
@@ -105,7 +107,8 @@ impl OperationSetup {
                 (self.bound(Certainty::Bound, context, frames, memory), Certainty::Bound)
             }
             Certainty::Bound if searches => {
-                let (worst, is_value) = self.evaluator.searched_worst(context, frames, &mut memory.evaluator);
+                let scratch = &mut memory.evaluator;
+                let (worst, is_value) = self.evaluator.searched_worst(context, frames, enough, scratch);
                 (worst, if is_value { Certainty::Value } else { Certainty::SharpBound })
             }
             _ => (self.value(context, frames, memory), Certainty::Value),

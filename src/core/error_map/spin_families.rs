@@ -17,9 +17,20 @@ use super::workspace::{PostureMemory, WalkMemory};
 use crate::cell::Reading;
 use crate::clearance::{ArmPart, ContactMemory};
 use crate::reach::FamilyReach;
+use crate::reading::WorkContext;
 use crate::robot::Frames;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
+
+/// Source of the lower bounds of the spin families at a node.
+pub(super) enum FamilyBounds<'f> {
+    /// The value field. A family without a bound in the field is bounded at its posture.
+    Field(&'f ValueField),
+    /// A computation at the posture of each family, which takes longer.
+    Posture,
+    /// No source: every bound is 0 until it is needed.
+    Later,
+}
 
 impl OperationQuery<'_> {
     /// Finds the spot by spin families.
@@ -38,7 +49,7 @@ impl OperationQuery<'_> {
         let field = self.rank_by_field(ranking);
         if field.is_none() {
             self.setup.grid.targets(&self.at, |node, target| {
-                self.visit_families(node, target, None, postures, families, *candidates);
+                self.visit_families(node, target, FamilyBounds::Posture, postures, families, *candidates);
             });
         }
         let mut queue = FamilyQueue {
@@ -69,7 +80,8 @@ impl OperationQuery<'_> {
                 let ranked = if ranking.bound() <= queue.least() { ranking.pop() } else { None };
                 if let Some(node) = ranked {
                     let (target, mut found) = (self.node_target(node), std::mem::take(&mut memory.opened));
-                    self.visit_families(node, target, queue.field, memory, &mut found, &mut queue.judged);
+                    let bounds = queue.field.map_or(FamilyBounds::Posture, FamilyBounds::Field);
+                    self.visit_families(node, target, bounds, memory, &mut found, &mut queue.judged);
                     // The family with the least bound comes first. The others then often join the queue.
                     let least = (0..found.len()).min_by(|a, b| found[*a].bound.total_cmp(&found[*b].bound));
                     if let Some(least) = least {
@@ -91,13 +103,12 @@ impl OperationQuery<'_> {
 
     /// Collects the spin families of one node, and the candidates that belong to no family.
     ///
-    /// A family gets the bound of its configuration in `field`. Without a field, the bound is computed at the
-    /// posture, which takes longer.
+    /// Each family gets a bound from `bounds`.
     pub(super) fn visit_families<V: PostureVisitor>(
         &self,
         node: usize,
         target: Vector3<f64>,
-        field: Option<&ValueField>,
+        bounds: FamilyBounds<'_>,
         memory: &mut PostureMemory,
         families: &mut Vec<SpinFamily>,
         others: &mut V,
@@ -109,11 +120,15 @@ impl OperationQuery<'_> {
         let PostureMemory { scratch, frames, posture, firsts, counts, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
         let spins = self.attitudes.spin_rotations();
-        let bounds = field.and_then(|field| field.posture_bounds(&target));
+        let of_field = match bounds {
+            FamilyBounds::Field(field) => field.posture_bounds(&target),
+            _ => None,
+        };
         let reach = arm.inverse.visit_families(&target, &self.attitudes, posture, |branch, posture| {
-            let (bound, stage) = match &bounds {
-                Some(bounds) => (bounds.of(posture), FamilyStage::Tabulated),
-                None => {
+            let (bound, stage) = match (&of_field, &bounds) {
+                (Some(of_field), _) => (of_field.of(posture), FamilyStage::Preliminary),
+                (None, FamilyBounds::Later) => (0.0, FamilyStage::Preliminary),
+                (None, _) => {
                     counts.postures += 1;
                     arm.chain.place(posture, frames);
                     let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
@@ -145,21 +160,21 @@ impl OperationQuery<'_> {
     /// Opens an entry of the queue: it is replaced by entries with sharper bounds, or by judged postures.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
         match family.stage {
-            FamilyStage::Tabulated => self.open_tabulated(family, queue, memory),
+            FamilyStage::Preliminary => self.open_preliminary(family, queue, memory),
             FamilyStage::Bounded => self.open_bounded(family, queue, memory),
             FamilyStage::Member(certainty) => self.open_member(certainty, family, queue, memory),
         }
     }
 
-    /// Computes the bound of a family whose bound comes from the value field.
+    /// Computes the bound of a family at its posture.
     ///
     /// If the nearest candidate is known, a family whose arm collides is left out. None of its members can
     /// be the spot. The search does not need them as the first candidate ([`FirstFree::nearest`]) either,
     /// because that candidate is already known.
-    fn open_tabulated(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
+    fn open_preliminary(&self, family: &SpinFamily, queue: &mut FamilyQueue<'_>, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
-        let PostureMemory { scratch, frames, contacts, firsts, counts, .. } = memory;
+        let PostureMemory { frames, contacts, firsts, counts, .. } = &mut *memory;
         mapper.arm.chain.place(&firsts[family.first], frames);
         let mut contact = family.contact;
         if queue.is_nearest_known() {
@@ -173,11 +188,26 @@ impl OperationQuery<'_> {
                 return;
             }
         }
+        queue.families.push(SpinFamily { contact, ..self.bounded(family, context, memory) });
+    }
+
+    /// Computes the bounds of those families that were not bounded at their postures.
+    pub(super) fn bound_families(&self, families: &mut [SpinFamily], memory: &mut PostureMemory) {
+        let Ok(context) = &self.context else { return };
+        for family in families.iter_mut().filter(|family| family.stage == FamilyStage::Preliminary) {
+            let PostureMemory { frames, firsts, .. } = memory;
+            self.placed.mapper.arm.chain.place(&firsts[family.first], frames);
+            *family = self.bounded(family, context, memory);
+        }
+    }
+
+    /// Returns a family with the bound computed at its posture, whose frames must be in `memory`.
+    fn bounded(&self, family: &SpinFamily, context: &WorkContext, memory: &mut PostureMemory) -> SpinFamily {
+        let (evaluator, spins) = (&self.setup.evaluator, self.attitudes.spin_rotations());
+        let PostureMemory { scratch, frames, counts, .. } = memory;
         counts.postures += 1;
-        let spins = self.attitudes.spin_rotations();
         let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
-        let (bound, stage) = (bound.max(family.bound), FamilyStage::Bounded);
-        queue.families.push(SpinFamily { bound, contact, stage, ..*family });
+        SpinFamily { bound: bound.max(family.bound), stage: FamilyStage::Bounded, ..*family }
     }
 
     /// Checks the solids before the last joint for contact.
@@ -307,7 +337,8 @@ impl OperationQuery<'_> {
         };
         counts.postures += 1;
         chain.place(&posture, frames);
-        let (value, certainty) = self.setup.sharpened(certainty, context, frames, scratch);
+        let enough = queue.judged.peek().map_or(f64::INFINITY, |best| best.spot.value);
+        let (value, certainty) = self.setup.sharpened(certainty, context, frames, enough, scratch);
         if certainty == Certainty::Value {
             let spot = Spot { node, branch, value };
             queue.judged.push(PostureCandidate { spot, target, contact, certainty, first: Some(first) });

@@ -171,18 +171,20 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node((!reached).then_some(gap));
     }
 
-    /// Replaces the bound of a candidate by a sharper bound or by the value. Returns None if the branch does
-    /// not exist, or if the errors cannot be computed.
+    /// Replaces the bound of a candidate by a sharper bound or by the value. A bound above `enough` (m or rad)
+    /// need not be sharpened further. Returns None if the branch does not exist, or if the errors cannot be
+    /// computed.
     pub fn sharpened(
         &self,
         candidate: &PostureCandidate,
+        enough: f64,
         memory: &mut PostureMemory,
     ) -> Option<PostureCandidate> {
         let PostureMemory { frames, scratch, .. } = memory;
         let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
         let posture = arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&posture, frames);
-        let (value, certainty) = self.setup.sharpened(candidate.certainty, context, frames, scratch);
+        let (value, certainty) = self.setup.sharpened(candidate.certainty, context, frames, enough, scratch);
         let value = if certainty == Certainty::Value { value } else { value.max(candidate.spot.value) };
         Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, certainty, ..*candidate })
     }

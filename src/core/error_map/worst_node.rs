@@ -6,14 +6,16 @@
 //! the search only needs a usable posture whose value has an upper bound below that error. The search tries
 //! such upper bounds only for the members of spin families. Without spin families, the search judges every
 //! node, first the nodes far from the base, because their errors are usually the greatest. With spin
-//! families, the nodes with the greatest lower bound come first. The lower bound of a node is the least bound
-//! of its families.
+//! families, the nodes whose leading family has the greatest lower bound come first. The leading family has
+//! the branch that had the least bound at an earlier node. Neighbouring nodes usually have their least error
+//! with the same branch, so the bounds of most other families are never needed.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::every_node::UnreachedNodes;
 use super::family_queue::SpinFamily;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
+use super::spin_families::FamilyBounds;
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::Gap;
@@ -101,11 +103,11 @@ impl OperationQuery<'_> {
     ) -> Vec<BoundedNode> {
         memory.postures.collected.clear();
         memory.postures.firsts.clear();
-        let mut nodes = Vec::with_capacity(self.setup.grid.count());
+        let (mut nodes, mut leading) = (Vec::with_capacity(self.setup.grid.count()), None);
         self.setup.grid.targets(&self.at, |node, target| {
             let mut bounded = BoundedNode { node, target, rank: target.norm_squared(), families: None };
             if has_families && missed.is_empty() && self.context.is_ok() {
-                let collected = self.collect_postures(node, target, has_families, memory);
+                let collected = self.collect_postures(node, target, Some(FamilyBounds::Later), memory);
                 let WalkMemory { candidates, families, postures, .. } = memory;
                 if let Err(gap) = collected {
                     missed.push((node, gap));
@@ -113,10 +115,9 @@ impl OperationQuery<'_> {
                 }
                 bounded.rank = f64::INFINITY;
                 if candidates.is_empty() {
+                    bounded.rank = self.put_leading_first(families, &mut leading, postures);
                     let first = postures.collected.len();
                     postures.collected.append(families);
-                    let own = &postures.collected[first..];
-                    bounded.rank = own.iter().map(|family| family.bound).fold(f64::INFINITY, f64::min);
                     bounded.families = Some(first..postures.collected.len());
                 }
             }
@@ -124,6 +125,30 @@ impl OperationQuery<'_> {
         });
         nodes.sort_by(|a, b| b.rank.total_cmp(&a.rank));
         nodes
+    }
+
+    /// Puts the leading family of a node first, and returns its bound. The leading family has the branch
+    /// `leading`, which had the least bound at an earlier node. If the node has no such family, the family
+    /// with the least bound becomes the leading one.
+    fn put_leading_first(
+        &self,
+        families: &mut [SpinFamily],
+        leading: &mut Option<u64>,
+        memory: &mut PostureMemory,
+    ) -> f64 {
+        match families.iter().position(|family| Some(family.branch) == *leading) {
+            Some(k) => {
+                families.swap(0, k);
+                self.bound_families(&mut families[..1], memory);
+            }
+            None => {
+                self.bound_families(families, memory);
+                families.sort_by(|a, b| b.cmp(a));
+            }
+        }
+        let first = families.first();
+        *leading = first.map(|family| family.branch);
+        first.map_or(f64::INFINITY, |family| family.bound)
     }
 
     /// Returns the outcome at a node with the collected spin families `families`. Returns None if a usable
@@ -143,8 +168,16 @@ impl OperationQuery<'_> {
         candidates.clear();
         own.clear();
         own.extend_from_slice(&postures.collected[families]);
-        if worst.is_some_and(|worst| self.has_spot_below(worst.value, own, postures)) {
-            return Ok(None);
+        if let Some(worst) = worst {
+            let count = own.len().min(1);
+            let (leading, others) = own.split_at_mut(count);
+            if self.has_spot_below(worst.value, leading, postures) {
+                return Ok(None);
+            }
+            self.bound_families(others, postures);
+            if self.has_spot_below(worst.value, others, postures) {
+                return Ok(None);
+            }
         }
         self.judge_collected(target, true, memory)
     }

@@ -105,7 +105,7 @@ impl<'a> CornerModel<'a> {
 
     /// Returns the bit set of the sources that are known to leave the error unchanged at every corner.
     pub fn idle(&self) -> u128 {
-        self.prediction.as_ref().map_or(0, |prediction| prediction.idle)
+        self.prediction.as_ref().map_or(0, |prediction| prediction.idle(&self.evaluator.sources))
     }
 
     /// Sets the corner from which [`Self::may_exceed`] predicts how a flip of each sign changes the error.

@@ -65,15 +65,16 @@ const OPTIMA: usize = 16;
 /// combination is skipped if [`CornerModel::predict_combinations`] proves that another combination has a
 /// larger error. This saves time and does not change the result of the search.
 ///
-/// If `largest` is None, the search leaves out the mixed corners. The returned `bool` is false if more than
-/// `MAX_FREE` sources are weak and `largest` is None.
+/// The search ends at an error above `enough`. The returned `bool` is false if the search may have ended
+/// early. The worst case is then at least the result.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
     quadratic: f64,
     corners: [ToleranceCorner; 2],
     model: &mut CornerModel,
-    largest: Option<impl FnOnce() -> [ToleranceCorner; 2]>,
+    largest: impl FnOnce() -> [ToleranceCorner; 2],
+    enough: f64,
 ) -> (WorstCase, bool) {
     let [corner, other] = corners;
     let n = columns.len();
@@ -86,6 +87,7 @@ pub fn by_model(
         columns,
         groups: groups(columns),
         gap,
+        enough,
         idle: model.idle(),
         model,
         best: None,
@@ -99,27 +101,33 @@ pub fn by_model(
     // corners in `largest`.
     let is_weak = |k: &usize| 2.0 * columns[*k].norm() <= gap;
     let count = (0..columns.len()).filter(is_weak).count();
-    if (1..=MAX_FREE).contains(&count) {
-        let mut weak = [0; MAX_FREE];
-        let acting = (0..columns.len()).filter(is_weak).filter(|k| search.idle >> k & 1 == 0);
-        let count = weak.iter_mut().zip(acting).map(|(to, k)| *to = k).count();
-        starts.for_each(|start| search.polish_best_combination(start, &weak[..count]));
-    } else {
-        starts.for_each(|start| search.polish(start));
+    let mut weak = [0; MAX_FREE];
+    let is_combined = (1..=MAX_FREE).contains(&count);
+    let acting = (0..columns.len()).filter(|k| is_combined && is_weak(k) && search.idle >> k & 1 == 0);
+    let acting = weak.iter_mut().zip(acting).map(|(to, k)| *to = k).count();
+    for start in starts {
+        if search.has_enough(&start) {
+            return (search.worst(linear, corner), false);
+        }
+        match is_combined {
+            true => search.polish_best_combination(start, &weak[..acting]),
+            false => search.polish(start),
+        }
     }
-    let is_complete = count <= MAX_FREE || largest.is_some();
-    if let Some(largest) = largest.filter(|_| count > MAX_FREE) {
+    if count > MAX_FREE {
         let strong = (0..n).filter(|k| !is_weak(k)).fold(0, |set, k| set | 1 << k);
         for largest in largest().into_iter().flat_map(|largest| both(largest, n)) {
             for mixed in both(largest.with_signs_of(corner, strong), n) {
-                let error = search.model.error(mixed);
-                search.polish(SearchCorner::new(columns, error, mixed));
+                let start = SearchCorner::new(columns, search.model.error(mixed), mixed);
+                if search.has_enough(&start) {
+                    return (search.worst(linear, corner), false);
+                }
+                search.polish(start);
             }
         }
     }
-    let exact = linear.upper <= linear.value;
-    let (by_model, corner) = search.best.unwrap_or((f64::NEG_INFINITY, corner));
-    (WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }, is_complete)
+    let is_complete = search.best.is_none_or(|(size, _)| size <= enough);
+    (search.worst(linear, corner), is_complete)
 }
 
 /// Returns a corner of `count` columns and the opposite corner.
@@ -165,11 +173,14 @@ struct SearchCorner {
     corner: ToleranceCorner,
     /// Linear error at this corner: the sum of the columns multiplied by their signs.
     sum: Vector6<f64>,
+    /// Size of `sum`.
+    length: f64,
 }
 
 impl SearchCorner {
     fn new(columns: &[Vector6<f64>], error: CornerError, corner: ToleranceCorner) -> Self {
-        Self { error, corner, sum: columns.iter().enumerate().map(|(k, c)| c * corner.sign(k)).sum() }
+        let sum: Vector6<f64> = columns.iter().enumerate().map(|(k, c)| c * corner.sign(k)).sum();
+        Self { error, corner, sum, length: sum.norm() }
     }
 }
 
@@ -182,6 +193,8 @@ struct CornerSearch<'a, 'm> {
     groups: [u128; MAX_SOURCES],
     /// Largest change of the linear error that a tried flip may cause, m or rad.
     gap: f64,
+    /// The search ends at an error above this value, m or rad.
+    enough: f64,
     /// Bit set of the sources that leave the error unchanged at every corner. Their signs are not flipped.
     idle: u128,
     model: &'a mut CornerModel<'m>,
@@ -196,6 +209,30 @@ struct CornerSearch<'a, 'm> {
 }
 
 impl CornerSearch<'_, '_> {
+    /// Returns the largest error found, at the corner `start` if the search has not begun. `linear` is the
+    /// linear worst case.
+    fn worst(&self, linear: &Farthest, start: ToleranceCorner) -> WorstCase {
+        let exact = linear.upper <= linear.value;
+        let (by_model, corner) = self.best.unwrap_or((f64::NEG_INFINITY, start));
+        WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }
+    }
+
+    /// Returns whether the error at a corner, or the largest error found, exceeds [`Self::enough`]. The corner
+    /// then counts as found.
+    fn has_enough(&mut self, at: &SearchCorner) -> bool {
+        if at.error.size > self.enough {
+            self.note(at);
+        }
+        self.best.is_some_and(|(size, _)| size > self.enough)
+    }
+
+    /// Remembers a corner if its error is the largest one found.
+    fn note(&mut self, at: &SearchCorner) {
+        if self.best.is_none_or(|(size, _)| at.error.size > size) {
+            self.best = Some((at.error.size, at.corner));
+        }
+    }
+
     /// Tries all combinations of the signs of the `weak` sources at `start`, and searches from the best
     /// combination.
     fn polish_best_combination(&mut self, mut start: SearchCorner, weak: &[usize]) {
@@ -245,7 +282,7 @@ impl CornerSearch<'_, '_> {
                 if self.groups[k] != 0 {
                     is_larger |= self.flip(&mut at, 1 << k | self.groups[k]);
                 }
-                if is_larger && self.is_optimum(&at) {
+                if is_larger && (self.has_enough(&at) || self.is_optimum(&at)) {
                     return;
                 }
                 tried = if is_larger { 0 } else { tried + 1 };
@@ -262,9 +299,7 @@ impl CornerSearch<'_, '_> {
             }
             tried = 0;
         }
-        if self.best.is_none_or(|(size, _)| at.error.size > size) {
-            self.best = Some((at.error.size, at.corner));
-        }
+        self.note(&at);
     }
 
     /// Returns whether an earlier search ended at this corner because no flip increases the error.
@@ -302,19 +337,20 @@ impl CornerSearch<'_, '_> {
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
         let acting = flipped & !self.idle;
-        let is_tried = acting == 0 || self.was_combined(at, acting);
-        if is_tried || !self.model.may_exceed(&at.error, members(flipped)) {
+        if acting == 0 || self.was_combined(at, acting) {
             return false;
         }
         let change: Vector6<f64> =
             members(flipped).map(|k| self.columns[k] * (-2.0 * at.corner.sign(k))).sum();
-        if ((at.sum + change).norm() - at.sum.norm()).abs() > self.gap {
+        let sum = at.sum + change;
+        let length = sum.norm();
+        if (length - at.length).abs() > self.gap || !self.model.may_exceed(&at.error, members(flipped)) {
             return false;
         }
         let flipped = at.corner.flipped(flipped);
         let is_larger = self.model.size(flipped) > at.error.size;
         if is_larger {
-            *at = SearchCorner { error: self.model.error(flipped), corner: flipped, sum: at.sum + change };
+            *at = SearchCorner { error: self.model.error(flipped), corner: flipped, sum, length };
             self.model.stand_at(at.corner);
         }
         is_larger

@@ -116,11 +116,11 @@ pub struct FlipPrediction {
     /// Parts of the flips that are equal at all corners. The field `change` holds the terms that are
     /// quadratic in the change of the source.
     fixed: [PredictedFlip; MAX_SOURCES],
+    /// Bit set of the sources whose fixed parts are computed for the latest posture.
+    fixed_known: u128,
     flips: [PredictedFlip; MAX_SOURCES],
     /// Bit set of the sources whose flips are computed for the latest corner.
     computed: u128,
-    /// Bit set of the sources that leave the error unchanged at every corner of the latest posture.
-    pub idle: u128,
     /// The latest corner; None if the posture is new.
     corner: Option<ToleranceCorner>,
     /// Largest component sizes along the rows, per unit of displacement and of rotation
@@ -165,9 +165,9 @@ impl FlipPrediction {
             sources: (0..n).map(motions_of).collect(),
             changes: [0.0; MAX_SOURCES],
             fixed: [PredictedFlip::NONE; MAX_SOURCES],
+            fixed_known: 0,
             flips: [PredictedFlip::NONE; MAX_SOURCES],
             computed: 0,
-            idle: 0,
             corner: None,
             weights: [0.0; 2],
             rotations: 0.0,
@@ -221,13 +221,7 @@ impl FlipPrediction {
         let all = self.rotations;
         self.motions.iter_mut().for_each(|motion| motion.turned_before = all - motion.turned_before);
         (self.weights, self.arm, self.corner) = (measure.weights(), arm.norm(), None);
-        let growth = self.rotations.exp_m1();
-        self.idle = 0;
-        for (k, source) in sources.list.iter().enumerate() {
-            let change = 2.0 * source.plus_minus;
-            self.fixed[k] = self.fixed_part(k, change, growth, measure);
-            self.idle |= u128::from(self.is_idle(k, change)) << k;
-        }
+        self.fixed_known = 0;
         self.rotations <= MAX_ROTATION
     }
 
@@ -282,9 +276,9 @@ impl FlipPrediction {
         self.computed = 0;
     }
 
-    /// Returns the part of the prediction for a change of source `k` by `change` or `-change` (m or rad) that
-    /// is equal at all corners. `growth` is `exp(A) - 1`, where A is the largest sum of all rotations.
-    fn fixed_part(&self, k: usize, change: f64, growth: f64, measure: &SenseRows) -> PredictedFlip {
+    /// Returns the part of the prediction for a flip of the sign of source `k` that is equal at all corners.
+    fn fixed_part(&self, k: usize, measure: &SenseRows) -> PredictedFlip {
+        let (change, growth) = (self.changes[k], self.rotations.exp_m1());
         let mut sum = Displacement::NONE;
         let (mut rotation, mut displacement, mut of_position) = (0.0, 0.0, 0.0);
         let own = &self.sources[k];
@@ -306,21 +300,29 @@ impl FlipPrediction {
         PredictedFlip { change: measure.components(&sum), margin, rotation, displacement }
     }
 
-    /// Returns whether a change of source `k` by `change` (m or rad) leaves the error unchanged at every
-    /// corner, except for rounding errors. An example is a rotation of the tool about an axis through the
+    /// Returns the bit set of the sources that leave the error unchanged at every corner of the latest
+    /// posture, except for rounding errors. An example is a rotation of the tool about an axis through the
     /// TCP.
-    fn is_idle(&self, k: usize, change: f64) -> bool {
+    pub fn idle(&self, sources: &ErrorSources) -> u128 {
         let least = ROUNDING * self.displacements;
-        self.weights[1] == 0.0
-            && self.sources[k].iter().all(|&(i, unit)| {
+        let is_idle = |k: usize| {
+            let change = 2.0 * sources.list[k].plus_minus;
+            self.sources[k].iter().all(|&(i, unit)| {
                 let motion = &self.motions[i];
                 let by = motion.g.norm() + motion.w.norm() * (motion.moved_after + self.arm);
                 2.0 * (change * unit).abs() * by <= least
             })
+        };
+        let idle = (0..self.sources.len()).filter(|k| self.weights[1] == 0.0 && is_idle(*k));
+        idle.fold(0, |set, k| set | 1 << k)
     }
 
     /// Returns the prediction for a flip of the sign of source `k`.
-    fn flip(&self, k: usize, measure: &SenseRows) -> PredictedFlip {
+    fn flip(&mut self, k: usize, measure: &SenseRows) -> PredictedFlip {
+        if self.fixed_known >> k & 1 == 0 {
+            self.fixed[k] = self.fixed_part(k, measure);
+            self.fixed_known |= 1 << k;
+        }
         let mut sum = Displacement::NONE;
         for &(i, unit) in &self.sources[k] {
             let change = self.changes[k] * unit;

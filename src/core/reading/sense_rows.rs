@@ -67,6 +67,7 @@ impl SenseRows {
     }
 
     /// Returns the components of a first-order effect on the TCP along the rows; unused components are 0.
+    #[inline]
     pub fn column(&self, effect: &Displacement) -> Vector6<f64> {
         self.components(&effect.linear_at(&self.arm))
     }
@@ -91,6 +92,7 @@ impl SenseRows {
     }
 
     /// Returns the components of the measured point's displacement along the rows; unused components are 0.
+    #[inline]
     pub fn components(&self, at_point: &Displacement) -> Vector6<f64> {
         let mut v = Vector6::zeros();
         for (k, (turns, direction)) in self.rows[..self.count].iter().enumerate() {

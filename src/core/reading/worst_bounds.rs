@@ -100,17 +100,17 @@ impl ErrorEvaluator {
         linear.upper.max(linear.value)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture. The returned `bool` is true
-    /// if this bound is the worst case itself. A local search over the corners of the tolerance box finds the
-    /// bound. This search starts only at the worst corner of the linear model and at the opposite corner.
+    /// Returns the worst case by a nonlinear model at a posture, and true. If this worst case exceeds `enough`
+    /// (m or rad), the function may return a lower bound above `enough` and false, in less computing time.
     pub fn searched_worst(
         &self,
         context: &WorkContext,
         frames: &Frames,
+        enough: f64,
         memory: &mut EvaluatorScratch,
     ) -> (f64, bool) {
         self.prepare_effects(context, frames, memory);
-        let (found, is_complete) = self.worst_found(&self.sense, context, frames, false, memory);
+        let (found, is_complete) = self.worst_found(&self.sense, context, frames, enough, memory);
         (found.by_model, is_complete)
     }
 

@@ -22,20 +22,20 @@ impl ErrorEvaluator {
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> WorstCase {
-        self.worst_found(sense, context, frames, true, memory).0
+        self.worst_found(sense, context, frames, f64::INFINITY, memory).0
     }
 
     /// Returns the largest size of the error that the local search finds, and whether this search is
     /// complete. Call [`Self::prepare_effects`] first.
     ///
-    /// If `all` is false, the search does not start at mixed corners ([`by_model`]). The result of an
-    /// incomplete search is a lower bound of the result of a complete search.
+    /// The search ends at an error above `enough`, m or rad. The result of an incomplete search is a lower
+    /// bound of the result of a complete search.
     pub(super) fn worst_found(
         &self,
         sense: &Sense,
         context: &WorkContext,
         frames: &Frames,
-        all: bool,
+        enough: f64,
         memory: &mut EvaluatorScratch,
     ) -> (WorstCase, bool) {
         let measure = self.measure(sense, context, frames);
@@ -55,8 +55,9 @@ impl ErrorEvaluator {
         let columns = &columns[..n + of_mean];
         let corners =
             [ToleranceCorner::of_signs(&corner[..columns.len()]), self.far_corner(columns, measure.rows())];
-        let largest = all.then_some(|| self.largest(effects, scratch));
-        let (mut worst, is_complete) = by_model(columns, &linear, quadratic, corners, &mut model, largest);
+        let largest = || self.largest(effects, scratch);
+        let (mut worst, is_complete) =
+            by_model(columns, &linear, quadratic, corners, &mut model, largest, enough);
         worst.corner = self.of_sources(worst.corner);
         (worst, is_complete)
     }
