@@ -18,11 +18,15 @@ use super::workspace::PostureMemory;
 use crate::cell::Reading;
 use crate::reach::{RedundantCoordinate, SamplePosition};
 
-/// Greatest number of samples from which refinements start.
+/// Greatest number of samples from which refinements start. Twice as many are starts if samples that differ
+/// only in a spin by the last joint count as one.
 const MAX_STARTS: usize = 4;
 
 /// Greatest number of samples that are considered as starts.
-const MAX_SAMPLES: usize = 16;
+const MAX_SAMPLES: usize = 32;
+
+/// Greatest number of narrow ranges in which refinements start.
+const MAX_NARROW_RANGES: usize = 16;
 
 /// Refinements start only at samples whose value exceeds the least value by at most this share.
 const MOST_EXCESS: f64 = 0.05;
@@ -47,6 +51,14 @@ const BISECTIONS_TO_BUILD: usize = 4;
 
 /// Least gain that counts, as a share of the value.
 const LEAST_GAIN: f64 = 1e-5;
+
+/// A search ends early if its value exceeds the best known value by more than this multiple of the gain of its
+/// last round of polls, plus [`WORTHWHILE`]. A round without a gain does not end the search, because its steps
+/// may have passed over a narrow valley.
+const LIKELY_ROUNDS: f64 = 4.0;
+
+/// Excess over the best known value at which a search goes on after any gain, as a share of the value.
+const WORTHWHILE: f64 = 1e-3;
 
 /// Two values count as equal if their relative difference is at most this constant.
 const SAME_VALUE: f64 = 1e-9;
@@ -115,8 +127,9 @@ impl OperationQuery<'_> {
     /// Returns the best posture found.
     ///
     /// A sample is no start if a better sample lies beside it, because a search from there leads to the same
-    /// posture. It is no start either if another sample of the node has the same value: the two usually
-    /// differ only in a spin that does not change the value.
+    /// posture. Two samples that differ only in a spin by the last joint count as one. A sample is no start
+    /// either if another sample of the node has the same value: the two usually differ only in a spin that
+    /// does not change the value.
     pub(super) fn refined(
         &self,
         best: PostureCandidate,
@@ -130,8 +143,9 @@ impl OperationQuery<'_> {
         let mut refined = self.refined_alone(best, memory);
         let mut seen = [None; MAX_SAMPLES];
         seen[0] = Some(self.sample(&best));
+        let most_starts = if self.samples_spin() { 2 * MAX_STARTS } else { MAX_STARTS };
         let (mut count, mut starts) = (1, 1);
-        while count < MAX_SAMPLES && starts < MAX_STARTS {
+        while count < MAX_SAMPLES && starts < most_starts {
             let Some(sample) = next(memory).filter(|sample| sample.spot.value <= most) else { break };
             let new = self.sample(&sample);
             let is_known =
@@ -148,9 +162,35 @@ impl OperationQuery<'_> {
             }
         }
         match self.placed.demand {
-            None => self.refined_in_narrow_ranges(refined, most, memory),
+            None => {
+                let refined = self.refined_in_narrow_ranges(refined, most, memory);
+                self.with_best_spin(refined, memory)
+            }
             Some(_) => refined,
         }
+    }
+
+    /// Returns whether the last joint alone spins the tool, and the spin is not refined. Samples that differ
+    /// in such a spin then have nearly the same value.
+    fn samples_spin(&self) -> bool {
+        self.placed.mapper.arm.inverse.spins_by_last_joint() && !self.refines(RedundantCoordinate::Spin)
+    }
+
+    /// Returns the best usable posture over the sampled spins of the posture `at`, if the last joint alone
+    /// spins the tool. Otherwise returns `at`.
+    fn with_best_spin(&self, at: PostureCandidate, memory: &mut PostureMemory) -> PostureCandidate {
+        let (inverse, spins) = (&self.placed.mapper.arm.inverse, self.attitudes.spin_rotations().len());
+        let mut best = at;
+        for spin in (0..spins).filter(|_| self.samples_spin()) {
+            let Some(branch) = inverse.member_branch(&self.attitudes, at.spot.branch, spin) else { continue };
+            let Some(value) = self.value_of(&at, branch, memory) else { continue };
+            let candidate = at_branch(at, (branch, value));
+            let is_less = value < best.spot.value - LEAST_GAIN * best.spot.value.abs();
+            if is_less && self.is_usable(&candidate, memory) {
+                best = candidate;
+            }
+        }
+        best
     }
 
     /// Refines postures at the node of `best` in narrow ranges of a redundant coordinate that contain no
@@ -162,10 +202,10 @@ impl OperationQuery<'_> {
         memory: &mut PostureMemory,
     ) -> PostureCandidate {
         let mut refined = best;
-        let (mut starts, mut count) = ([0; MAX_SAMPLES], 0);
+        let (mut starts, mut count) = ([0; MAX_NARROW_RANGES], 0);
         let inverse = &self.placed.mapper.arm.inverse;
         inverse.visit_narrow_ranges(&best.target, &self.attitudes, |branch| {
-            if count < MAX_SAMPLES {
+            if count < MAX_NARROW_RANGES {
                 starts[count] = branch;
                 count += 1;
             }
@@ -186,7 +226,7 @@ impl OperationQuery<'_> {
         start: PostureCandidate,
         memory: &mut PostureMemory,
     ) -> PostureCandidate {
-        let found = self.descend(&start, memory);
+        let found = self.descend(&start, best.spot.value, memory);
         if found.1 >= best.spot.value || !self.is_usable(&start, memory) {
             return best;
         }
@@ -196,8 +236,10 @@ impl OperationQuery<'_> {
 
     /// Returns what the search remembers of a usable sample.
     fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
-        let Spot { node, branch, value } = candidate.spot;
-        let position = self.placed.mapper.arm.inverse.sample_position(branch, &self.attitudes);
+        let (Spot { node, branch, value }, inverse) = (candidate.spot, &self.placed.mapper.arm.inverse);
+        let first_spin =
+            if self.samples_spin() { inverse.member_branch(&self.attitudes, branch, 0) } else { None };
+        let position = inverse.sample_position(first_spin.unwrap_or(branch), &self.attitudes);
         UsableSample { node, value, position }
     }
 
@@ -207,25 +249,28 @@ impl OperationQuery<'_> {
         start: PostureCandidate,
         memory: &mut PostureMemory,
     ) -> PostureCandidate {
-        let found = self.descend(&start, memory);
+        let found = self.descend(&start, f64::INFINITY, memory);
         self.last_usable(start, found, memory)
     }
 
-    /// Searches for a posture of less value along the redundant coordinates, within the joint limits.
-    fn descend(&self, start: &PostureCandidate, memory: &mut PostureMemory) -> Judged {
+    /// Searches for a posture of less value along the redundant coordinates, within the joint limits. The
+    /// search ends early if it will hardly find a value below `known`.
+    fn descend(&self, start: &PostureCandidate, known: f64, memory: &mut PostureMemory) -> Judged {
         let refined = COORDINATES.map(|coordinate| self.refines(coordinate));
         let is_searched = |direction: &Direction| (0..2).all(|k| refined[k] || direction[k] == 0.0);
         let mut best = (start.spot.branch, start.spot.value);
         let mut steps = [FIRST_STEP; DIRECTIONS.len()];
         for _ in 0..MAX_POLLS {
-            let mut is_done = true;
+            let (mut is_done, before) = (true, best.1);
             for (direction, step) in DIRECTIONS.iter().zip(&mut steps) {
                 if *step >= LEAST_STEP && is_searched(direction) {
                     is_done = false;
                     (best, *step) = self.poll(start, best, (direction, *step), memory);
                 }
             }
-            if is_done {
+            let gain = before - best.1;
+            let likely = LIKELY_ROUNDS * gain + WORTHWHILE * best.1.abs();
+            if is_done || gain > 0.0 && best.1 - likely > known {
                 break;
             }
         }

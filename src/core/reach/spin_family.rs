@@ -184,7 +184,7 @@ impl Inverse {
 
     /// Returns the branch index of the member with the given spin (an index), in the family of the branch
     /// `branch`. Returns None if the family has no such member.
-    fn member_branch(&self, attitudes: &ToolAttitudes, branch: u64, spin: usize) -> Option<u64> {
+    pub fn member_branch(&self, attitudes: &ToolAttitudes, branch: u64, spin: usize) -> Option<u64> {
         if let ChainSolver::Planar(_) = &self.solver {
             return Some(planar::with_spin(branch, spin));
         }
