@@ -34,6 +34,31 @@ impl Deref for OutputFolder {
     }
 }
 
+/// Refuses the result folder `asked` if it exists and is in use or not empty. Commands with long computations
+/// call this function before they begin.
+pub fn require_new(asked: Option<&Path>, sharing: Sharing) -> Result<(), Exit> {
+    let Some((path, Ok(entries))) = asked.map(|path| (path, path.read_dir())) else { return Ok(()) };
+    let _folder = OutputFolder::existing(path, sharing)?;
+    refuse_results(path, entries)
+}
+
+/// Refuses a folder whose `entries` are not all unfinished files of killed programs.
+fn refuse_results(path: &Path, mut entries: std::fs::ReadDir) -> Result<(), Exit> {
+    let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
+    if entries.all(|e| e.is_ok_and(unfinished)) {
+        return Ok(());
+    }
+    let folder = output::path_word(path);
+    if path.join(CHECKPOINT).is_file() {
+        output::error(&format!("{folder} contains a stopped search"));
+        output::talk(&format!("  help: resume it with sweetspot search --resume {folder}"));
+    } else {
+        let why = "is not empty, and nothing is overwritten; choose a new folder with --out";
+        output::error(&format!("{folder} {why}"));
+    }
+    Err(Exit::BadInput)
+}
+
 /// Makes and locks the result folder `asked`, which must be new or empty. If `asked` is None, makes and locks
 /// the first free folder `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<OutputFolder, Exit> {
@@ -44,23 +69,7 @@ pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<
     if let Some(path) = asked {
         std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
         let folder = OutputFolder::existing(path, sharing)?;
-        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
-        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
-        if !entries.all(|e| e.is_ok_and(unfinished)) {
-            if path.join(CHECKPOINT).is_file() {
-                output::error(&format!("{} contains a stopped search", output::path_word(path)));
-                output::talk(&format!(
-                    "  help: resume it with sweetspot search --resume {}",
-                    output::path_word(path)
-                ));
-                return Err(Exit::BadInput);
-            }
-            let path = shown(&path.to_string_lossy());
-            output::error(&format!(
-                "{path} is not empty, and nothing is overwritten; choose a new folder with --out"
-            ));
-            return Err(Exit::BadInput);
-        }
+        refuse_results(path, path.read_dir().map_err(|e| cannot(path, &e))?)?;
         // With `WithOthers`, an unfinished file may belong to another running array job.
         if sharing == Sharing::Alone {
             sweep(path);

@@ -555,6 +555,12 @@ fn a_folder_with_something_in_it_is_refused() {
         (shop.files("taken"), shop.text("taken/best.toml")),
         (vec!["best.toml".into()], "mine".into())
     );
+    // The note about --gap follows the proof of a bound, which begins only after the refusal.
+    let goals = ["search", CELL, "--pareto", "error,clearance", "--gap", "1", "--budget", "500", "--out"];
+    let ran = shop.run(&[&goals[..], &["taken"]].concat());
+    assert_eq!((ran.code, ran.err.contains("--gap")), (Some(2), false), "{}", ran.err);
+    let ran = shop.run(&[&goals[..], &["other"]].concat());
+    assert_eq!((ran.code, ran.err.contains("note: --gap is ignored")), (Some(0), true), "{}", ran.err);
     std::fs::create_dir(shop.path("empty")).unwrap();
     shop.done(&["search", PAPER, "--out", "empty"]);
     shop.done(&["map", PAPER, "--out", "new/and/deep"]);

@@ -8,7 +8,7 @@ use crate::cli::checkpoint;
 use crate::cli::checkpoint::{CheckpointWriter, StoppedSearch};
 use crate::cli::commands::{stem, suggest, warn_of_hopeless, workcell};
 use crate::cli::output::path_word;
-use crate::cli::output_folder::{Sharing, new_folder};
+use crate::cli::output_folder::{Sharing, new_folder, require_new};
 use crate::cli::progress::Reporter;
 use crate::cli::results::RunDescription;
 use crate::cli::search_request::SearchRequest;
@@ -37,6 +37,9 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     let file = &request.cell;
     let Loaded { cell, sources, .. } = request.load()?;
     let workcell = workcell(cell, file)?;
+    if kept.is_none() {
+        require_new(now.out.as_deref(), Sharing::Alone)?;
+    }
     let pool = threads(now.threads)?;
     let proof = pool.install(|| proven(&workcell));
     let bound = proof.bound;
@@ -46,7 +49,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     } else {
         warn_of_hopeless(&workcell);
     }
-    // The folder is created first, so that a failure here wastes no search.
+    // The folder is created before the search, so that a failure here wastes no search.
     let new;
     let folder = match kept {
         Some(kept) => &kept.folder,
