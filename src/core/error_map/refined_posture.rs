@@ -18,15 +18,12 @@ use super::workspace::PostureMemory;
 use crate::cell::Reading;
 use crate::reach::{RedundantCoordinate, SamplePosition};
 
-/// Greatest number of samples from which refinements start. Twice as many are starts if samples that differ
-/// only in a spin by the last joint count as one.
+/// Greatest number of samples from which refinements start. If samples that differ only in a spin by the last
+/// joint count as one, this number and [`MAX_SAMPLES`] are doubled.
 const MAX_STARTS: usize = 4;
 
 /// Greatest number of samples that are considered as starts.
-const MAX_SAMPLES: usize = 32;
-
-/// Greatest number of narrow ranges in which refinements start.
-const MAX_NARROW_RANGES: usize = 16;
+const MAX_SAMPLES: usize = 16;
 
 /// Refinements start only at samples whose value exceeds the least value by at most this share.
 const MOST_EXCESS: f64 = 0.05;
@@ -141,11 +138,11 @@ impl OperationQuery<'_> {
         }
         let most = best.spot.value * (1.0 + MOST_EXCESS);
         let mut refined = self.refined_alone(best, memory);
-        let mut seen = [None; MAX_SAMPLES];
+        let mut seen = [None; 2 * MAX_SAMPLES];
         seen[0] = Some(self.sample(&best));
-        let most_starts = if self.samples_spin() { 2 * MAX_STARTS } else { MAX_STARTS };
+        let fold = if self.samples_spin() { 2 } else { 1 };
         let (mut count, mut starts) = (1, 1);
-        while count < MAX_SAMPLES && starts < most_starts {
+        while count < fold * MAX_SAMPLES && starts < fold * MAX_STARTS {
             let Some(sample) = next(memory).filter(|sample| sample.spot.value <= most) else { break };
             let new = self.sample(&sample);
             let is_known =
@@ -202,10 +199,10 @@ impl OperationQuery<'_> {
         memory: &mut PostureMemory,
     ) -> PostureCandidate {
         let mut refined = best;
-        let (mut starts, mut count) = ([0; MAX_NARROW_RANGES], 0);
+        let (mut starts, mut count) = ([0; MAX_SAMPLES], 0);
         let inverse = &self.placed.mapper.arm.inverse;
         inverse.visit_narrow_ranges(&best.target, &self.attitudes, |branch| {
-            if count < MAX_NARROW_RANGES {
+            if count < MAX_SAMPLES {
                 starts[count] = branch;
                 count += 1;
             }
