@@ -140,9 +140,9 @@ impl OperationQuery<'_> {
         let mut refined = self.refined_alone(best, memory);
         let mut seen = [None; 2 * MAX_SAMPLES];
         seen[0] = Some(self.sample(&best));
-        let fold = if self.samples_spin() { 2 } else { 1 };
+        let factor = if self.samples_spin() { 2 } else { 1 };
         let (mut count, mut starts) = (1, 1);
-        while count < fold * MAX_SAMPLES && starts < fold * MAX_STARTS {
+        while count < factor * MAX_SAMPLES && starts < factor * MAX_STARTS {
             let Some(sample) = next(memory).filter(|sample| sample.spot.value <= most) else { break };
             let new = self.sample(&sample);
             let is_known =
@@ -176,9 +176,12 @@ impl OperationQuery<'_> {
     /// Returns the best usable posture over the sampled spins of the posture `at`, if the last joint alone
     /// spins the tool. Otherwise returns `at`.
     fn with_best_spin(&self, at: PostureCandidate, memory: &mut PostureMemory) -> PostureCandidate {
+        if !self.samples_spin() {
+            return at;
+        }
         let (inverse, spins) = (&self.placed.mapper.arm.inverse, self.attitudes.spin_rotations().len());
         let mut best = at;
-        for spin in (0..spins).filter(|_| self.samples_spin()) {
+        for spin in 0..spins {
             let Some(branch) = inverse.member_branch(&self.attitudes, at.spot.branch, spin) else { continue };
             let Some(value) = self.value_of(&at, branch, memory) else { continue };
             let candidate = at_branch(at, (branch, value));
@@ -234,9 +237,8 @@ impl OperationQuery<'_> {
     /// Returns what the search remembers of a usable sample.
     fn sample(&self, candidate: &PostureCandidate) -> UsableSample {
         let (Spot { node, branch, value }, inverse) = (candidate.spot, &self.placed.mapper.arm.inverse);
-        let first_spin =
-            if self.samples_spin() { inverse.member_branch(&self.attitudes, branch, 0) } else { None };
-        let position = inverse.sample_position(first_spin.unwrap_or(branch), &self.attitudes);
+        let first_spin = self.samples_spin().then(|| inverse.member_branch(&self.attitudes, branch, 0));
+        let position = inverse.sample_position(first_spin.flatten().unwrap_or(branch), &self.attitudes);
         UsableSample { node, value, position }
     }
 
